@@ -132,7 +132,7 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
             format!("\nwrite [{name}] with one bracket on either side: there is but one")
         }
         None if let Some((key, section)) = section_of_unknown(error.message()) => {
-            format!("\n`{key}` stands under {section}")
+            format!("\n`{key}` stands {section}")
         }
         None if error.message() == "missing field `title`" => {
             "\nwrite title = \"what is optimized\" as the first line, above all sections".to_owned()
@@ -184,9 +184,10 @@ fn names(text: &str, error: &toml::de::Error) -> Option<String> {
 }
 
 /// Keys of which people look for the section.
-const SECTIONS: [(&str, &[&str]); 6] = [
+const SECTIONS: [(&str, &[&str]); 7] = [
+    ("at the top of the file, above all sections", &["title", "seed", "sheets"]),
     (
-        "[loop]",
+        "under [loop]",
         &[
             "method",
             "experiments",
@@ -200,11 +201,11 @@ const SECTIONS: [(&str, &[&str]); 6] = [
             "cost_unit",
         ],
     ),
-    ("[stop]", &["worth", "smooth"]),
-    ("[response]", &["goal", "scale"]),
-    ("[simulator]", &["table", "command", "jobs", "input", "timeout_seconds"]),
-    ("[[constraint]]", &["probability"]),
-    ("[[parameter]]", &["levels", "step", "choices", "change_cost", "role"]),
+    ("under [stop]", &["worth", "smooth"]),
+    ("under [response]", &["goal", "scale"]),
+    ("under [simulator]", &["table", "command", "jobs", "input", "timeout_seconds"]),
+    ("under [[constraint]]", &["probability"]),
+    ("under [[parameter]]", &["levels", "step", "choices", "change_cost", "role"]),
 ];
 
 /// Where a key belongs that stands where it is not known.

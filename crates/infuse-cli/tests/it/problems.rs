@@ -166,6 +166,7 @@ fn a_key_in_the_wrong_section_is_told_where_it_stands() {
             "`simulations` stands under [loop]",
         ),
         ("batches = 6", "batches = 6\nworth = 0.3", "`worth` stands under [stop]"),
+        ("batches = 6", "batches = 6\nseed = 3", "`seed` stands at the top of the file, above all sections"),
         ("batches = 6", "batches = 6\njobs = 3", "`jobs` stands under [simulator]"),
         ("batches = 6", "batches = 6\nprobability = 0.9", "`probability` stands under [[constraint]]"),
     ] {

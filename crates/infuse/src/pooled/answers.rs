@@ -102,7 +102,7 @@ impl Loop {
         }
         let batch = self.told_batch();
         let (settings, designs) = (&measurements.settings(&self.settings), &self.designs);
-        let source = Source::of(settings, designs, &self.simulated, simulate)?;
+        let source = Source::of(settings, designs, &mut self.simulated, simulate)?;
         let (mut knowledge, readings) = learnt(measurements, designs, settings, &mut self.simulated, source)?;
         read(&mut knowledge, &readings, settings, batch).map(Some)
     }

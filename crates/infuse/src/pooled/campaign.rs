@@ -149,7 +149,7 @@ impl Loop {
     /// Number of cells that were simulated.
     #[must_use]
     pub fn n_simulated(&self) -> usize {
-        self.simulated.n_run()
+        self.simulated.len()
     }
 
     /// The trials without an outcome.

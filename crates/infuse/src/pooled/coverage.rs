@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::Error;
 use crate::pooled::designs::Designs;
-use crate::pooled::first_batch::spread;
+use crate::pooled::evenly::spread;
 use crate::pooled::pool::Pool;
 use crate::pooled::streams::{Purpose, stream};
 

@@ -3,21 +3,18 @@
 use std::collections::BTreeSet;
 
 use design_space::Cell;
-use rand::RngExt;
 
 use crate::Error;
 use crate::pooled::designs::Designs;
+use crate::pooled::evenly::{scrambles, screened, spread};
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
-use crate::pooled::streams::{Purpose, stream};
 
 /// One experiment in so many is for what the simulation recommends, one at least of two. With half of them a simulation that misleads
 /// costs more, and one that does not is believed in the second batch anyway.
 const FOR_THE_SIMULATION: usize = 3;
 /// Share of the screened cells among which these are spread.
 const PROMISING: f64 = 0.08;
-/// Cells whose simulated responses are looked at, at most.
-const SCREENED: usize = 4096;
 
 /// `tested` are cells where experiments were made or are waited for: these are asked for again only where there are no others.
 pub(crate) fn first_batch(
@@ -28,8 +25,7 @@ pub(crate) fn first_batch(
     source: &mut Source<'_>,
 ) -> Result<Vec<Cell>, Error> {
     let n_experiments = settings.n_experiments;
-    let mut rng = stream(settings.seed, Purpose::FirstBatch, 0);
-    let (scramble, other) = (rng.random(), rng.random());
+    let [scramble, _] = scrambles(settings.seed);
     let evenly = |count: usize| {
         let all = spread(designs, count + tested.len(), scramble);
         let (new, old): (Vec<Cell>, Vec<Cell>) = all.into_iter().partition(|cell| !tested.contains(cell));
@@ -38,8 +34,7 @@ pub(crate) fn first_batch(
     if matches!(source, Source::Nothing) {
         return Ok(on_few_plants(designs, settings, evenly(n_experiments)));
     }
-    let screened: Vec<Cell> =
-        if designs.n_cells() <= SCREENED as u64 { designs.cells().collect() } else { spread(designs, SCREENED, other) };
+    let screened = screened(designs, settings.seed);
     let places = source.places(designs, &screened, simulated)?;
     let Some(responses) = places.simulated() else {
         return Ok(on_few_plants(designs, settings, evenly(n_experiments)));
@@ -117,29 +112,6 @@ fn within_constraints(
     Ok(within)
 }
 
-/// Of so many cells of the sequence one is to keep to the linear constraints; else any that does is taken.
-const THINNED: u32 = 64;
-
-/// Cells spread evenly over the box: a scrambled Sobol sequence, those that keep to the linear constraints.
-pub(crate) fn spread(designs: &Designs, count: usize, scramble: u32) -> Vec<Cell> {
-    let coordinate = |index: u32, axis: u32| {
-        let round = scramble.wrapping_add(axis / sobol_burley::NUM_DIMENSIONS);
-        f64::from(sobol_burley::sample(index, axis % sobol_burley::NUM_DIMENSIONS, round))
-    };
-    let n_parameters = designs.region().n_parameters() as u32;
-    let cell = |index: u32| designs.cell_of_unit((0..n_parameters).map(|axis| coordinate(index, axis)));
-    if !designs.is_confined() {
-        return (0..count as u32).map(cell).collect();
-    }
-    let tried = (count as u32).saturating_mul(THINNED);
-    let mut cells: Vec<Cell> = (0..tried).map(cell).filter(|&cell| designs.allows(cell)).take(count).collect();
-    let mut rng = stream(scramble.into(), Purpose::FirstBatch, 0);
-    while cells.len() < count {
-        cells.push(designs.random(&mut rng));
-    }
-    cells
-}
-
 /// The first of the cells, and then always the one that is farthest from all chosen so far.
 fn far_apart(designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
     let coded: Vec<Vec<f64>> = cells.iter().map(|&cell| designs.coded_of(cell)).collect::<Result<_, _>>()?;
@@ -170,17 +142,6 @@ mod tests {
         };
         let region = Region::new((0..n_parameters).map(number).collect()).unwrap();
         Designs::of(&region, &[], &mut rand_chacha::ChaCha8Rng::seed_from_u64(1)).unwrap()
-    }
-
-    /// The first 4^2 points of two dimensions of Sobol's sequence are a net: one in each of 4 by 4 squares, however scrambled.
-    #[test]
-    fn sixteen_cells_of_a_square_of_sixteen_are_all_different() {
-        for scramble in 0..20 {
-            let mut cells = spread(&designs(2, 4), 16, scramble);
-            cells.sort_unstable();
-            cells.dedup();
-            assert_eq!(cells.len(), 16, "scramble {scramble}");
-        }
     }
 
     #[test]

@@ -82,8 +82,8 @@ impl<'a, 's> Knowledge<'a, 's> {
             let mut rng = stream(settings.seed, Purpose::Displacement, 0);
             let found = match &mut source {
                 Source::Nothing => None,
-                Source::Cheap { simulate, .. } => {
-                    let mut runs = Runs { simulated: &mut *simulated, simulate: &mut **simulate };
+                Source::Cheap { simulate, screened, .. } => {
+                    let mut runs = Runs { simulated: &mut *simulated, simulate: &mut **simulate, screened };
                     registered(readings, designs, &mut rng, &mut runs)?
                 }
                 Source::Emulated { emulator, .. } => {
@@ -159,7 +159,7 @@ impl<'a, 's> Knowledge<'a, 's> {
 
     /// The designs for which the simulation says least.
     pub(crate) fn lowest_simulated(&self, count: usize) -> Vec<Cell> {
-        let mut lowest = self.simulated.lowest(count);
+        let mut lowest = self.source.lowest(self.simulated, count);
         if let Some(displacement) = self.displacement() {
             lowest.iter_mut().for_each(|cell| *cell = displacement.back(self.designs, *cell));
         }

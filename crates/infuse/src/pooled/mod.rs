@@ -58,6 +58,7 @@ mod coverage;
 mod designs;
 mod displacement;
 mod economy;
+mod evenly;
 mod finds;
 mod first_batch;
 mod held;

@@ -130,12 +130,14 @@ pub(crate) trait Simulation {
 pub(crate) struct Runs<'s> {
     pub(crate) simulated: &'s mut Simulated,
     pub(crate) simulate: &'s mut dyn Simulate,
+    /// Where it fails the nearest of these stands for it.
+    pub(crate) screened: &'s [Cell],
 }
 
 impl Simulation for Runs<'_> {
     fn says(&mut self, designs: &Designs, cells: &[Cell]) -> Result<Option<Vec<f64>>, Error> {
-        self.simulated.run_aside(designs, cells, self.simulate)?;
-        cells.iter().map(|&cell| self.simulated.aside_or_near(designs, cell, Column::Objective)).collect()
+        self.simulated.run(designs, cells, self.simulate)?;
+        self.simulated.at_or_near_all(designs, cells, self.screened, Column::Objective)
     }
 }
 
@@ -486,7 +488,7 @@ mod tests {
         let (designs, mut rng) = (designs(), ChaCha8Rng::seed_from_u64(seed));
         let readings = readings(&designs, by, n, noise, &mut rng);
         let mut simulate = |cell: Cell, _: &[f64]| Ok::<f64, String>(simulated(&designs, cell));
-        let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+        let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate, screened: &[] };
         believed(registered(&readings, &designs, &mut rng, &mut runs).unwrap())
     }
 
@@ -494,7 +496,7 @@ mod tests {
         let (designs, mut rng) = (designs(), ChaCha8Rng::seed_from_u64(seed));
         let readings = readings(&designs, by, n, noise, &mut rng);
         let mut simulate = |cell: Cell, _: &[f64]| Ok::<f64, String>(at(&designs, cell, [0, 0]));
-        let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+        let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate, screened: &[] };
         registered(&readings, &designs, &mut rng, &mut runs).unwrap()
     }
 
@@ -603,7 +605,7 @@ mod tests {
             };
             let readings: Vec<Reading> = cells.iter().enumerate().map(one).collect();
             let mut simulate = |cell: Cell, _: &[f64]| Ok::<f64, String>(needle(&designs, cell));
-            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate, screened: &[] };
             let found = registered(&readings, &designs, &mut rng, &mut runs).unwrap();
             assert!(believed(found).is_none(), "seed {seed}");
         }
@@ -682,7 +684,7 @@ mod tests {
                 let [x, shape, y] = digits(cell);
                 Ok::<f64, String>(landscape(x, y) + 0.2 * shape)
             };
-            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate, screened: &[] };
             let Some((_, told)) = registered(&readings, &designs, &mut rng, &mut runs).unwrap() else { continue };
             if told.is_sure() {
                 for (axis, by) in [(0, by[0]), (2, by[1])] {
@@ -727,7 +729,7 @@ mod tests {
             let mut readings = readings(&designs, truth, 200, 0.02, &mut rng);
             readings.retain(|reading| designs.combinations().digits(reading.cell.index())[0] < lowest);
             let mut simulate = |cell: Cell, _: &[f64]| Ok::<f64, String>(at(&designs, cell, [0, 0]));
-            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate, screened: &[] };
             let search = Search::of(&readings, &designs, free(&designs), &mut runs).unwrap();
             search.refused(&Displacement(vec![by[0], 0, by[1]]))
         };
@@ -762,7 +764,7 @@ mod tests {
                 Ok::<f64, String>(bowl(x, y, 12.0, 13.0) + 0.5 * bowl(x, y, 7.0, 10.0))
             };
             let mut of = |readings: &[Reading], rng: &mut ChaCha8Rng| {
-                let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+                let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate, screened: &[] };
                 registered(readings, &designs, rng, &mut runs).unwrap().map(|(_, told)| told)
             };
             let with_slip = of(&readings, &mut rng);

@@ -55,7 +55,8 @@ impl Scene {
             failed: BTreeSet::new(),
             refused: BTreeSet::new(),
         };
-        let source = simulate.map_or(Source::Nothing, Source::cheap);
+        let cheap = |simulate| Source::cheap(&self.designs, self.settings.seed, &mut self.simulated, simulate).unwrap();
+        let source = simulate.map_or(Source::Nothing, cheap);
         Knowledge::of(&measurements, &self.designs, &self.settings, &mut self.simulated, source).unwrap()
     }
 }

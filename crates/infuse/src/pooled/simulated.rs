@@ -11,6 +11,7 @@ use surface::process::{AveragedProcess, Joint, Places, Residual, SamplerSettings
 use crate::Error;
 use crate::pooled::designs::Designs;
 use crate::pooled::displacement::{Displacement, WITHIN_A_STEP, correlation, left_of, next_to, went_on};
+use crate::pooled::evenly::screened;
 use crate::pooled::moments::mean_and_deviation;
 use crate::pooled::settings::Settings;
 
@@ -66,23 +67,15 @@ impl Column {
     }
 }
 
-/// Every simulation so far, with its outcome.
+/// Every simulation so far, with its outcome: where simulations are dear, what is known of them; where they are cheap, what is not run
+/// again, and nothing that the loop says hangs on which these are.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Simulated {
     responses: BTreeMap<Cell, Option<Responses>>,
-    /// Simulations that were run to compare only: they are not run again, and are no part of a campaign that is saved.
-    aside: BTreeMap<Cell, Option<Responses>>,
-}
-
-impl PartialEq for Simulated {
-    fn eq(&self, other: &Self) -> bool {
-        self.responses == other.responses
-    }
 }
 
 impl Simulated {
     pub(crate) fn insert(&mut self, cell: Cell, outcome: Option<Responses>) {
-        self.aside.remove(&cell);
         self.responses.insert(cell, Self::usable(outcome));
     }
 
@@ -103,11 +96,6 @@ impl Simulated {
         self.responses.len()
     }
 
-    /// The same with those that were only compared.
-    pub(crate) fn n_run(&self) -> usize {
-        self.responses.len() + self.aside.len()
-    }
-
     fn at(&self, cell: Cell, column: Column) -> Option<f64> {
         column.of(self.responses.get(&cell)?.as_ref()?)
     }
@@ -117,75 +105,49 @@ impl Simulated {
         self.responses.iter().filter_map(move |(&cell, responses)| Some((cell, column.of(responses.as_ref()?)?)))
     }
 
-    /// The cells with the lowest responses, lowest first.
-    pub(crate) fn lowest(&self, count: usize) -> Vec<Cell> {
-        let mut known: Vec<(Cell, f64)> = self.known(Column::Objective).collect();
-        known.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        known.truncate(count);
-        known.into_iter().map(|(cell, _)| cell).collect()
-    }
-
     /// Runs the simulation at those of the cells where it was not run before.
     pub(crate) fn run(&mut self, designs: &Designs, cells: &[Cell], simulate: &mut dyn Simulate) -> Result<(), Error> {
-        for &cell in cells {
-            if let Some(outcome) = self.aside.remove(&cell) {
-                self.responses.insert(cell, outcome);
-            }
-        }
-        for (cell, outcome) in self.outcomes(designs, cells, simulate)? {
-            self.insert(cell, outcome);
-        }
-        Ok(())
-    }
-
-    /// The same for cells that are only compared.
-    pub(crate) fn run_aside(
-        &mut self,
-        designs: &Designs,
-        cells: &[Cell],
-        simulate: &mut dyn Simulate,
-    ) -> Result<(), Error> {
-        let outcomes = self.outcomes(designs, cells, simulate)?;
-        self.aside.extend(outcomes.into_iter().map(|(cell, outcome)| (cell, Self::usable(outcome))));
-        Ok(())
-    }
-
-    /// What the simulation says of those of the cells where it was never run.
-    fn outcomes(
-        &self,
-        designs: &Designs,
-        cells: &[Cell],
-        simulate: &mut dyn Simulate,
-    ) -> Result<Vec<(Cell, Option<Responses>)>, Error> {
         let mut seen = BTreeSet::new();
-        let is_new = |cell: Cell| !self.contains(cell) && !self.aside.contains_key(&cell);
-        let new = cells.iter().copied().filter(|&cell| is_new(cell) && seen.insert(cell));
+        let new = cells.iter().copied().filter(|&cell| !self.contains(cell) && seen.insert(cell));
         let new: Vec<Cell> = new.collect();
         if new.is_empty() {
-            return Ok(Vec::new());
+            return Ok(());
         }
         let points = new.iter().map(|&cell| designs.grid().point(cell)).collect::<Result<Vec<_>, _>>()?;
         let mut responses = simulate.responses(&new, &points).into_iter();
-        // One that gave fewer responses than there are designs has failed at the others.
-        Ok(new.into_iter().map(|cell| (cell, responses.next().and_then(Result::ok))).collect())
-    }
-
-    /// The response at a cell that was simulated aside, or the same as [`Self::at_or_near`].
-    pub(crate) fn aside_or_near(&self, designs: &Designs, cell: Cell, column: Column) -> Result<Option<f64>, Error> {
-        match self.aside.get(&cell).and_then(|outcome| column.of(outcome.as_ref()?)) {
-            Some(response) => Ok(Some(response)),
-            None => self.at_or_near(designs, cell, column),
+        for cell in new {
+            // One that gave fewer responses than there are designs has failed at the others.
+            self.insert(cell, responses.next().and_then(Result::ok));
         }
+        Ok(())
     }
 
-    /// The response at a cell; where the simulation failed, that at the nearest cell where it did not.
-    fn at_or_near(&self, designs: &Designs, cell: Cell, column: Column) -> Result<Option<f64>, Error> {
+    /// The response at each cell; where the simulation failed, that at the nearest of the screened ones where it did not, or of these
+    /// cells themselves if it failed at all of those.
+    pub(crate) fn at_or_near_all(
+        &self,
+        designs: &Designs,
+        cells: &[Cell],
+        screened: &[Cell],
+        column: Column,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        let near = |others: &[Cell]| -> Result<Option<Vec<f64>>, Error> {
+            cells.iter().map(|&cell| self.at_or_near(designs, cell, others, column)).collect()
+        };
+        Ok(match near(screened)? {
+            None => near(cells)?,
+            said => said,
+        })
+    }
+
+    fn at_or_near(&self, designs: &Designs, cell: Cell, others: &[Cell], column: Column) -> Result<Option<f64>, Error> {
         if let Some(response) = self.at(cell, column) {
             return Ok(Some(response));
         }
         let here = designs.coded_of(cell)?;
         let mut best: Option<(f64, f64)> = None;
-        for (other, response) in self.known(column) {
+        for &other in others {
+            let Some(response) = self.at(other, column) else { continue };
             let there = designs.coded_of(other)?;
             let square: f64 = here.iter().zip(there).map(|(a, b)| (a - b) * (a - b)).sum();
             if best.is_none_or(|(least, _)| square < least) {
@@ -200,8 +162,8 @@ impl Simulated {
 pub(crate) enum Source<'a> {
     /// There is no simulation.
     Nothing,
-    /// It is run wherever it is needed.
-    Cheap { simulate: &'a mut dyn Simulate, place: Place },
+    /// It is run wherever it is needed, at the `screened` cells in any case.
+    Cheap { simulate: &'a mut dyn Simulate, screened: Vec<Cell>, place: Place },
     /// It is run at few cells, and a surface through those tells the others.
     Emulated { emulator: Emulator, place: Place },
 }
@@ -232,21 +194,28 @@ impl<'a> Source<'a> {
     pub(crate) fn of(
         settings: &Settings,
         designs: &Designs,
-        simulated: &Simulated,
+        simulated: &mut Simulated,
         simulate: Option<&'a mut dyn Simulate>,
     ) -> Result<Self, Error> {
-        Ok(match (settings.simulations, simulate) {
-            (Some(_), _) => Emulator::of(simulated, designs, settings)?.map_or(Self::Nothing, Self::emulated),
-            (None, Some(simulate)) => Self::cheap(simulate),
-            (None, None) => Self::Nothing,
-        })
+        match (settings.simulations, simulate) {
+            (Some(_), _) => Ok(Emulator::of(simulated, designs, settings)?.map_or(Self::Nothing, Self::emulated)),
+            (None, Some(simulate)) => Self::cheap(designs, settings.seed, simulated, simulate),
+            (None, None) => Ok(Self::Nothing),
+        }
     }
 }
 
 impl<'a> Source<'a> {
     /// A simulation that is run wherever it is needed, displaced by nothing.
-    pub(crate) fn cheap(simulate: &'a mut dyn Simulate) -> Self {
-        Self::Cheap { simulate, place: Place::default() }
+    pub(crate) fn cheap(
+        designs: &Designs,
+        seed: u64,
+        simulated: &mut Simulated,
+        simulate: &'a mut dyn Simulate,
+    ) -> Result<Self, Error> {
+        let screened = screened(designs, seed);
+        simulated.run(designs, &screened, simulate)?;
+        Ok(Self::Cheap { simulate, screened, place: Place::default() })
     }
 
     /// One that a surface tells of, displaced by nothing.
@@ -289,6 +258,22 @@ impl Source<'_> {
         }
     }
 
+    /// The designs for which the simulation says least, lowest first: of those that were screened, or of all that are known.
+    pub(crate) fn lowest(&self, simulated: &Simulated, count: usize) -> Vec<Cell> {
+        let mut known: Vec<(Cell, f64)> = match self {
+            Self::Nothing => Vec::new(),
+            Self::Cheap { screened, .. } => {
+                let of_it = |&cell: &Cell| Some((cell, simulated.at(cell, Column::Objective)?));
+                screened.iter().filter_map(of_it).collect()
+            }
+            Self::Emulated { .. } => simulated.known(Column::Objective).collect(),
+        };
+        known.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        known.dedup();
+        known.truncate(count);
+        known.into_iter().map(|(cell, _)| cell).collect()
+    }
+
     /// How far the simulation is displaced, if it is.
     pub(crate) fn displacement(&self) -> Option<&Displacement> {
         self.place().map(|place| &place.displacement)
@@ -305,9 +290,8 @@ impl Source<'_> {
         let [there, inside] = self.told_by(designs, cells);
         let around = if self.displacement().is_some() { next_to(designs, &there) } else { Vec::new() };
         if let Self::Cheap { simulate, .. } = self {
-            simulated.run(designs, &there, &mut **simulate)?;
-            let aside: Vec<Cell> = around.iter().flatten().chain(&inside).copied().collect();
-            simulated.run_aside(designs, &aside, &mut **simulate)?;
+            let all: Vec<Cell> = there.iter().chain(around.iter().flatten()).chain(&inside).copied().collect();
+            simulated.run(designs, &all, &mut **simulate)?;
         }
         let Some(said) = self.would_say(designs, [&there, &inside], simulated, Column::Objective)? else {
             return designs.places(cells);
@@ -405,7 +389,7 @@ impl Source<'_> {
     ) -> Result<Option<Vec<f64>>, Error> {
         match self {
             Self::Nothing => Ok(None),
-            Self::Cheap { .. } => cells.iter().map(|&cell| simulated.aside_or_near(designs, cell, column)).collect(),
+            Self::Cheap { screened, .. } => simulated.at_or_near_all(designs, cells, screened, column),
             Self::Emulated { emulator, .. } => emulator.says(designs, cells, simulated, column),
         }
     }
@@ -547,17 +531,25 @@ mod tests {
     #[test]
     fn where_it_failed_the_nearest_response_stands_for_it() {
         let (designs, mut simulated) = (designs(), Simulated::default());
-        for (x, y, response) in [(9, 9, 1.0), (4, 3, 2.0), (1, 2, 3.0), (3, 4, 4.0), (7, 2, 5.0)] {
-            simulated.insert(cell(&designs, x, y), Some(Responses::from(response)));
-        }
+        let others = [(9, 9, 1.0), (4, 3, 2.0), (1, 2, 3.0), (3, 4, 4.0), (7, 2, 5.0)].map(|(x, y, response)| {
+            let cell = cell(&designs, x, y);
+            simulated.insert(cell, Some(Responses::from(response)));
+            cell
+        });
         for (x, y, expected) in [(4, 3, 2.0), (4, 2, 2.0), (8, 8, 1.0), (1, 1, 3.0), (10, 0, 5.0), (3, 6, 4.0)] {
             simulated.insert(cell(&designs, 5, 5), None);
-            let found = simulated.at_or_near(&designs, cell(&designs, x, y), Column::Objective).unwrap();
-            assert_eq!(found, Some(expected), "at {x}, {y}");
+            let here = [cell(&designs, x, y)];
+            let found = simulated.at_or_near_all(&designs, &here, &others, Column::Objective).unwrap();
+            assert_eq!(found, Some(vec![expected]), "at {x}, {y}");
         }
-        // Level with two: the first cell of those.
-        let found = simulated.at_or_near(&designs, cell(&designs, 3, 3), Column::Objective).unwrap();
-        assert_eq!(found, Some(4.0));
+        // Level with two: the first of those.
+        let here = [cell(&designs, 3, 3)];
+        let near = |others: &[Cell]| simulated.at_or_near_all(&designs, &here, others, Column::Objective).unwrap();
+        assert_eq!(near(&others), Some(vec![2.0]));
+        assert_eq!(near(&[]), None, "it failed there, and no other is known");
+        let both = [here[0], others[3]];
+        let found = simulated.at_or_near_all(&designs, &both, &[], Column::Objective).unwrap();
+        assert_eq!(found, Some(vec![4.0, 4.0]), "those that were asked for themselves");
     }
 
     #[test]
@@ -583,14 +575,12 @@ mod tests {
         let places = |by: [i64; 2], cells: &[Cell]| {
             let mut simulate = |_: Cell, point: &[f64]| Ok::<f64, String>(says(point));
             let mut simulated = Simulated::default();
-            let mut source = Source::cheap(&mut simulate);
+            let mut source = Source::cheap(&designs, 1, &mut simulated, &mut simulate).unwrap();
             source.displace(Displacement(by.to_vec()), &designs, cells, &simulated, 0).unwrap();
-            let places = source.places(&designs, cells, &mut simulated).unwrap();
-            (places, simulated.len())
+            source.places(&designs, cells, &mut simulated).unwrap()
         };
         let cells = [cell(&designs, 3, 4), cell(&designs, 8, 10)];
-        let (found, n_run) = places([2, -1], &cells);
-        assert_eq!(n_run, 2, "those next to it are compared only");
+        let found = places([2, -1], &cells);
         let at = |x: i64, y: i64| says(&[x.min(10) as f64 / 10.0, y as f64 / 10.0]);
         for (way, [x, y]) in [[-1, 0], [1, 0], [0, -1], [0, 1]].into_iter().enumerate() {
             for (place, [a, b]) in [[5, 3], [10, 9]].into_iter().enumerate() {
@@ -598,7 +588,7 @@ mod tests {
                 assert!((found.deviations()[way][place] - expected).abs() < 1e-14, "way {way} at place {place}");
             }
         }
-        assert!(places([0, 0], &cells).0.deviations().is_empty(), "it is in its place");
+        assert!(places([0, 0], &cells).deviations().is_empty(), "it is in its place");
     }
 
     /// Of 11 levels one lies 0.2 coded units from the next. A simulation that is a plane goes on as one; three levels beyond the bounds, along
@@ -609,7 +599,7 @@ mod tests {
         let mut simulate = |_: Cell, point: &[f64]| Ok::<f64, String>(40.0 * point[0] + point[1]);
         let mut simulated = Simulated::default();
         let measured = [(2, 1), (4, 3), (7, 1), (9, 8)].map(|(x, y)| cell(&designs, x, y));
-        let mut source = Source::cheap(&mut simulate);
+        let mut source = Source::cheap(&designs, 1, &mut simulated, &mut simulate).unwrap();
         let said = source.places(&designs, &measured, &mut simulated).unwrap().simulated().unwrap().to_vec();
         let mean = said.iter().sum::<f64>() / 4.0;
         let deviation = (said.iter().map(|said| said * said).sum::<f64>() / 4.0 - mean * mean).sqrt();
