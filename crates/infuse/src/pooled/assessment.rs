@@ -1,6 +1,6 @@
 //! What the experiments so far come to: the recommended design, how far it may be from the best, and what speaks against it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use design_space::Cell;
 use rand::RngExt;
@@ -243,6 +243,27 @@ pub(crate) struct Look {
     best_read: Cell,
 }
 
+/// Designs that were run outside of the campaign alone, of which the readings have numbers below `n_earlier`, beyond as many evenly spread
+/// ones as leave as much of the box unseen.
+fn crowded(
+    knowledge: &Knowledge<'_, '_>,
+    pool: &Pool,
+    readings: &[Reading],
+    n_earlier: usize,
+    seed: u64,
+) -> Result<usize, Error> {
+    let own: BTreeSet<Cell> =
+        readings.iter().filter(|reading| reading.number >= n_earlier).map(|reading| reading.cell).collect();
+    let alone = readings.iter().filter(|reading| !own.contains(&reading.cell));
+    let alone: BTreeMap<Cell, &[f64]> = alone.map(|reading| (reading.cell, &reading.coded[..])).collect();
+    if alone.is_empty() {
+        return Ok(0);
+    }
+    let runs: Vec<&[f64]> = alone.into_values().collect();
+    let n_even = Coverage::of(knowledge.designs, pool, &runs)?.even_runs(knowledge.designs, runs.len(), seed)?;
+    Ok(runs.len() - n_even)
+}
+
 /// So many promising cells are looked at on each plant of a batch.
 const PROMISING: usize = 100;
 /// Beyond so many standard errors readings contradict the surface.
@@ -259,6 +280,7 @@ impl Look {
         settings: &Settings,
         batch: usize,
     ) -> Result<Self, Error> {
+        let Readings { n_earlier, n_failed, .. } = *readings;
         let (constrained, set_aside, readings) = (&readings.constrained, &readings.set_aside, &readings.kept[..]);
         let open = outliers(knowledge, readings, settings)?;
         let again = to_run_again(readings, &open, knowledge.process.noise());
@@ -286,6 +308,8 @@ impl Look {
             n_readings: readings.len(),
             n_tried: tried.len(),
             n_even,
+            n_failed,
+            n_crowded: crowded(knowledge, &pool, readings, n_earlier, settings.seed)?,
             ignored: knowledge.ignored(),
             n_designs: designs.n_allowed(),
             is_smooth: settings.smooth,

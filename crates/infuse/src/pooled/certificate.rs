@@ -45,6 +45,10 @@ pub(crate) struct Evidence {
     pub(crate) n_tried: usize,
     /// As many evenly spread readings would leave as much of the box unseen.
     pub(crate) n_even: usize,
+    /// Designs of the campaign all of whose experiments failed: none of them is the best.
+    pub(crate) n_failed: usize,
+    /// Designs that were run outside of the campaign alone, beyond as many evenly spread ones as leave as much of the box unseen.
+    pub(crate) n_crowded: usize,
     /// The probability that the simulation is of no use.
     pub(crate) ignored: f64,
     /// All that may be run.
@@ -79,9 +83,12 @@ impl Evidence {
     }
 }
 
-/// As many designs run, where a repeat counts half: it shows no other well, but that what was seen is not the noise.
-fn designs_counted(n_tried: usize, n_readings: usize) -> f64 {
-    0.5 * (n_tried + n_readings).max(1) as f64
+/// As many designs run, where a repeat counts half: it shows no other well, but that what was seen is not the noise. One that failed
+/// counts, for no well is there; those that were run outside of the campaign do as far as they do not crowd.
+fn designs_counted([n_tried, n_readings, n_failed, n_crowded]: [usize; 4]) -> f64 {
+    let n_tried = (n_tried + n_failed).saturating_sub(n_crowded);
+    let n_runs = (n_readings + n_failed).saturating_sub(n_crowded);
+    0.5 * (n_tried + n_runs).max(1) as f64
 }
 
 /// So many times what the readings differ by may be missing anyway: a narrow well is as likely to lie where nobody looked.
@@ -175,6 +182,12 @@ pub struct Forecast {
     pub n_readings: usize,
     /// Designs that they are of.
     pub n_tried: usize,
+    /// Designs that failed in every experiment: they are as good as seen.
+    #[serde(default)]
+    pub n_failed: usize,
+    /// Designs that were run outside of the campaign and crowd, so that others tell as much: they do not count for the reserve.
+    #[serde(default)]
+    pub n_crowded: usize,
     /// Designs that there are.
     pub n_designs: u64,
     /// Readings to a batch.
@@ -270,10 +283,10 @@ impl Forecast {
         enough(self.n_parameters, self.narrow)
     }
 
-    /// Designs run until now, a repeat counting half.
+    /// Designs run until now, a repeat counting half, with those that failed and without those that crowd.
     #[must_use]
     pub fn n_counted(&self) -> f64 {
-        designs_counted(self.n_tried, self.n_readings)
+        designs_counted([self.n_tried, self.n_readings, self.n_failed, self.n_crowded])
     }
 }
 
@@ -400,7 +413,7 @@ impl Draws {
 
     /// With so many experiments to a batch.
     pub(crate) fn forecast(&self, probability: f64, n_experiments: usize) -> Forecast {
-        let Evidence { n_readings, n_tried, n_parameters, n_designs, narrow, .. } = self.evidence;
+        let Evidence { n_readings, n_tried, n_failed, n_crowded, n_parameters, n_designs, narrow, .. } = self.evidence;
         let narrow = narrow.filter(|_| enough(n_parameters, narrow) > enough(n_parameters, None));
         let drawn = self.drawn(probability);
         let spread = self.evidence.untried() * self.spread;
@@ -417,6 +430,8 @@ impl Draws {
             of_means,
             n_readings,
             n_tried,
+            n_failed,
+            n_crowded,
             n_designs,
             n_experiments,
             n_parameters,
@@ -528,19 +543,33 @@ mod tests {
 
     use super::*;
 
+    fn counted(evidence: &Evidence) -> f64 {
+        designs_counted([evidence.n_tried, evidence.n_readings, evidence.n_failed, evidence.n_crowded])
+    }
+
     fn reserve(evidence: &Evidence) -> f64 {
-        let n_designs = designs_counted(evidence.n_tried, evidence.n_readings);
-        evidence.untried() * reserve_after(n_designs, enough(evidence.n_parameters, evidence.narrow))
+        evidence.untried() * reserve_after(counted(evidence), enough(evidence.n_parameters, evidence.narrow))
     }
 
     fn evidence() -> impl Strategy<Value = Evidence> {
         let counts = (1_usize..10_000).prop_flat_map(|n_readings| (Just(n_readings), 1..=n_readings, 1..=n_readings));
         let narrow = prop_oneof![Just(None), (1e-4..0.5_f64).prop_map(Some)];
-        (counts, 0.0..=1.0_f64, 0_u64..20_000, any::<bool>(), 1_usize..9, narrow).prop_map(
-            |((n_readings, n_even, n_tried), ignored, more, is_smooth, n_parameters, narrow)| {
-                let n_terms = (n_parameters + 1) * (n_parameters + 2) / 2;
-                let n_designs = n_tried as u64 + 1 + more;
-                Evidence { n_readings, n_tried, n_even, ignored, n_designs, is_smooth, n_parameters, narrow, n_terms }
+        let unlike = (0_usize..20, 0.0..1.0_f64);
+        (counts, unlike, 0.0..=1.0_f64, 0_u64..20_000, any::<bool>(), 1_usize..9, narrow).prop_map(
+            |((n_readings, n_even, n_tried), (n_failed, crowded), ignored, more, is_smooth, n_parameters, narrow)| {
+                Evidence {
+                    n_readings,
+                    n_tried,
+                    n_even,
+                    n_failed,
+                    n_crowded: (crowded * n_tried as f64) as usize,
+                    ignored,
+                    n_designs: n_tried as u64 + 1 + more,
+                    is_smooth,
+                    n_parameters,
+                    narrow,
+                    n_terms: (n_parameters + 1) * (n_parameters + 2) / 2,
+                }
             },
         )
     }
@@ -645,6 +674,8 @@ mod tests {
                 n_readings,
                 n_tried,
                 n_even: 1,
+                n_failed: 0,
+                n_crowded: 0,
                 ignored,
                 n_designs,
                 is_smooth: false,
@@ -661,8 +692,11 @@ mod tests {
             held(1.0) / evidence(1, n_tried, 1.0, n_designs).untried() * untried
         };
         // Of three designs that are run twice four are counted and a half.
-        let of = |evidence: &Evidence| designs_counted(evidence.n_tried, evidence.n_readings);
-        assert!((of(&evidence(6, 3, 1.0, 100)) - 4.5).abs() < 1e-12);
+        let thrice = evidence(6, 3, 1.0, 100);
+        assert!((counted(&thrice) - 4.5).abs() < 1e-12);
+        // Two more that failed are seen; one of three that crowd is not.
+        assert!((counted(&Evidence { n_failed: 2, ..thrice }) - 6.5).abs() < 1e-12);
+        assert!((counted(&Evidence { n_crowded: 1, ..thrice }) - 3.5).abs() < 1e-12);
         assert!((evidence(6, 25, 1.0, 100).untried() - 0.75).abs() < 1e-12);
         assert!(Evidence { is_smooth: true, ..evidence(6, 3, 1.0, 100) }.untried().abs() < 1e-12);
         for (n_tried, held) in [
@@ -717,6 +751,8 @@ mod tests {
             of_means: None,
             n_readings: 10,
             n_tried: 10,
+            n_failed: 0,
+            n_crowded: 0,
             n_designs: 10_000,
             n_experiments: 5,
             n_parameters: 2,

@@ -74,7 +74,7 @@ impl<'a, 's> Knowledge<'a, 's> {
         simulated: &'a mut Simulated,
         mut source: Source<'s>,
     ) -> Result<Self, Error> {
-        let Measurements { readings, constrained, failed, refused } = measurements;
+        let Measurements { readings, constrained, failed, refused, .. } = measurements;
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
         let mut registration = None;
         if settings.displaced {

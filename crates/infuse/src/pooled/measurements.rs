@@ -79,6 +79,10 @@ pub(crate) struct Measurements {
     pub(crate) failed: BTreeSet<Cell>,
     /// Of these what nobody can build any more, whatever was measured there.
     pub(crate) refused: BTreeSet<Cell>,
+    /// So many of the readings, the first ones, were made outside of the campaign.
+    pub(crate) n_earlier: usize,
+    /// Designs of the campaign all of whose experiments failed.
+    pub(crate) n_failed: usize,
 }
 
 impl Measurements {

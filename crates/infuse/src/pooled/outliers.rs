@@ -41,6 +41,10 @@ pub(crate) struct Readings {
     /// Readings of each constrained response.
     pub(crate) constrained: Vec<Vec<Reading>>,
     pub(crate) set_aside: Vec<Outlier>,
+    /// Readings with lower numbers were made outside of the campaign.
+    pub(crate) n_earlier: usize,
+    /// Designs of the campaign all of whose experiments failed.
+    pub(crate) n_failed: usize,
 }
 
 /// Beyond so many standard deviations a reading is an outlier.
@@ -56,8 +60,8 @@ const WORST: f64 = 1.5;
 const EXTREME: f64 = 5.0;
 const DISAGREEING: f64 = 3.0;
 const MOST_SUSPECT: usize = 2;
-/// A repeat is looked into if it differs from its mates by so many times the usual difference of repeats, or, where there are
-/// fewer repeated settings than so many, by as much as readings usually differ from their median.
+/// A repeat is looked into if it differs from its mates by as much as readings usually differ from their median, or, where there are more
+/// repeated settings than so many, by so many times the usual difference of repeats, if that is less.
 const UNUSUAL: f64 = 6.0;
 const ENOUGH_REPEATED: usize = 3;
 /// At most so many settings are looked into.
@@ -152,8 +156,8 @@ pub(crate) fn learnt<'a, 's>(
     if !set_aside.is_empty() {
         knowledge = knowledge.through(&measurements, settings)?;
     }
-    let Measurements { readings: kept, constrained, .. } = measurements;
-    Ok((knowledge, Readings { kept, constrained, set_aside }))
+    let Measurements { readings: kept, constrained, n_earlier, n_failed, .. } = measurements;
+    Ok((knowledge, Readings { kept, constrained, set_aside, n_earlier, n_failed }))
 }
 
 /// Takes out of `readings` those that repeats give the lie to, and says which they were. Of two runs of the same settings that differ by
@@ -165,37 +169,54 @@ pub(crate) fn set_aside(
     settings: &Settings,
 ) -> Result<Vec<Outlier>, Error> {
     let mut set_aside = Vec::new();
-    for suspect in quarrels(readings) {
-        let Some(at) = readings.iter().position(|reading| reading.number == suspect) else { continue };
-        let coded = readings[at].coded.clone();
-        let is_mate = |other: &Reading| other.coded == coded;
-        let n_others = readings.iter().filter(|other| !is_mate(other)).count();
-        if n_others == 0 || (n_others < WITNESSES && settings.noise.is_none()) {
-            continue;
+    // What was hidden by one may be seen without it.
+    loop {
+        let suspects = quarrels(readings);
+        let n_before = set_aside.len();
+        for &suspect in &suspects {
+            set_aside.extend(given_the_lie(knowledge, readings, (suspect, &suspects), settings)?);
         }
-        // Another slip would make all seem noisy.
-        let (far, usual) = (distances_to_median(readings), usual_distance(readings));
-        let is_extreme = |other: &Reading| {
-            readings.iter().zip(&far).any(|(one, far)| one.number == other.number && far.abs() > EXTREME * usual)
-        };
-        let n_plain = readings.iter().filter(|&other| !is_mate(other) && !is_extreme(other)).count();
-        let is_no_witness = |other: &Reading| is_mate(other) || (n_plain >= WITNESSES && is_extreme(other));
-        let view = knowledge.seen_from(readings, is_no_witness, &readings[at], settings)?;
-        let mut mates: Vec<usize> = (0..readings.len()).filter(|&mate| is_mate(&readings[mate])).collect();
-        mates.sort_by(|&a, &b| view.of(&readings[a]).abs().total_cmp(&view.of(&readings[b]).abs()));
-        let (Some(&nearest), Some(&farthest)) = (mates.first(), mates.last()) else { continue };
-        let apart = (readings[farthest].response - readings[nearest].response).abs();
-        let deviations = view.of(&readings[farthest]);
-        if deviations.abs() > STRIKING_TO_OTHERS
-            && view.of(&readings[nearest]).abs() < EXPECTED
-            && apart > STRIKING_TO_OTHERS * view.noise
-        {
-            let reading = readings.remove(farthest).number;
-            set_aside.push(Outlier { reading, deviations, set_aside: true });
+        if set_aside.len() == n_before {
+            break;
         }
     }
     set_aside.sort_by_key(|outlier| outlier.reading);
     Ok(set_aside)
+}
+
+/// Takes one of the runs of the settings of a suspect out of `readings`, if it is wrong.
+fn given_the_lie(
+    knowledge: &mut Knowledge<'_, '_>,
+    readings: &mut Vec<Reading>,
+    (suspect, suspects): (usize, &[usize]),
+    settings: &Settings,
+) -> Result<Option<Outlier>, Error> {
+    let Some(at) = readings.iter().position(|reading| reading.number == suspect) else { return Ok(None) };
+    let coded = readings[at].coded.clone();
+    let is_mate = |other: &Reading| other.coded == coded;
+    let n_others = readings.iter().filter(|other| !is_mate(other)).count();
+    if n_others == 0 || (n_others < WITNESSES && settings.noise.is_none()) {
+        return Ok(None);
+    }
+    // Another slip would make all seem noisy: what is extreme, and runs of settings that quarrel themselves.
+    let (far, usual) = (distances_to_median(readings), usual_distance(readings));
+    let extreme = readings.iter().zip(&far).filter(|(_, far)| far.abs() > EXTREME * usual).map(|(one, _)| one.number);
+    let extreme: BTreeSet<usize> = extreme.collect();
+    let quarrelling = readings.iter().filter(|one| suspects.contains(&one.number)).map(|one| one.coded.clone());
+    let quarrelling: Vec<Vec<f64>> = quarrelling.collect();
+    let is_doubtful = |other: &Reading| extreme.contains(&other.number) || quarrelling.contains(&other.coded);
+    let n_plain = readings.iter().filter(|&other| !is_mate(other) && !is_doubtful(other)).count();
+    let is_no_witness = |other: &Reading| is_mate(other) || (n_plain >= WITNESSES && is_doubtful(other));
+    let view = knowledge.seen_from(readings, is_no_witness, &readings[at], settings)?;
+    let mut mates: Vec<usize> = (0..readings.len()).filter(|&mate| is_mate(&readings[mate])).collect();
+    mates.sort_by(|&a, &b| view.of(&readings[a]).abs().total_cmp(&view.of(&readings[b]).abs()));
+    let (Some(&nearest), Some(&farthest)) = (mates.first(), mates.last()) else { return Ok(None) };
+    let apart = (readings[farthest].response - readings[nearest].response).abs();
+    let deviations = view.of(&readings[farthest]);
+    let is_wrong = deviations.abs() > STRIKING_TO_OTHERS
+        && view.of(&readings[nearest]).abs() < EXPECTED
+        && apart > STRIKING_TO_OTHERS * view.noise;
+    Ok(is_wrong.then(|| Outlier { reading: readings.remove(farthest).number, deviations, set_aside: true }))
 }
 
 /// A reading of each setting whose runs differ unusually much, those first that differ most.
@@ -210,10 +231,11 @@ fn quarrels(readings: &[Reading]) -> Vec<usize> {
         }
     }
     of_settings.sort_by(|&a, &b| from_mates[b].abs().total_cmp(&from_mates[a].abs()).then(a.cmp(&b)));
-    let usual = if of_settings.len() > ENOUGH_REPEATED {
-        UNUSUAL * median(of_settings.iter().map(|&at| from_mates[at].abs()).collect())
-    } else {
-        usual_distance(readings)
+    // Where half of the repeats are slips, what is usual of repeats is a slip; never more than readings usually differ from their median.
+    let usual = usual_distance(readings);
+    let usual = match of_settings.len() > ENOUGH_REPEATED {
+        true => usual.min(UNUSUAL * median(of_settings.iter().map(|&at| from_mates[at].abs()).collect())),
+        false => usual,
     };
     let unusual = of_settings.into_iter().filter(|&at| from_mates[at].abs() > usual);
     unusual.take(MOST_LOOKED_INTO).map(|at| readings[at].number).collect()

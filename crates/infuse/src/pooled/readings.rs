@@ -50,7 +50,17 @@ impl Loop {
         failed.extend(&self.refused);
         let constrained = (0..self.settings.constraints.len()).map(|index| self.constrained_readings(index));
         let (constrained, refused) = (constrained.collect::<Result<_, _>>()?, self.refused.clone());
-        Ok(Measurements { readings: self.readings()?, constrained, failed, refused })
+        let readings = self.readings()?;
+        let n_earlier = self.earlier.iter().filter(|earlier| earlier.outcome.cost().is_some()).count();
+        let n_failed = self.n_failed(&readings);
+        Ok(Measurements { readings, constrained, failed, refused, n_earlier, n_failed })
+    }
+
+    /// Designs of the campaign that gave no response in any experiment.
+    fn n_failed(&self, readings: &[Reading]) -> usize {
+        let measured: BTreeSet<Cell> = readings.iter().map(|reading| reading.cell).collect();
+        let failed = self.records.iter().filter(|record| record.is_failed()).map(|record| record.trial.cell);
+        failed.collect::<BTreeSet<Cell>>().difference(&measured).count()
     }
 
     /// All readings of a constrained response: earlier ones first.

@@ -54,6 +54,7 @@ impl Scene {
             constrained: Vec::new(),
             failed: BTreeSet::new(),
             refused: BTreeSet::new(),
+            ..Measurements::default()
         };
         let cheap = |simulate| Source::cheap(&self.designs, self.settings.seed, &mut self.simulated, simulate).unwrap();
         let source = simulate.map_or(Source::Nothing, cheap);

@@ -84,6 +84,8 @@ impl Row {
             of_means,
             n_readings,
             n_tried,
+            n_failed: 0,
+            n_crowded: 0,
             n_designs,
             n_experiments,
             n_parameters,
