@@ -195,7 +195,7 @@ impl Design {
         for (index, (run, settings)) in self.runs().zip(self.natural(region)?).enumerate() {
             let parameters = region.parameters().iter().zip(settings);
             let short = parameters.map(|(parameter, value)| match parameter.levels() {
-                Levels::Continuous => to_nine_digits(value),
+                Levels::Continuous => in_few_digits(parameter, value),
                 Levels::Count(_) => value,
             });
             let short = region.coded(&short.collect::<Vec<_>>())?;
@@ -247,20 +247,27 @@ fn to_nine_digits(value: f64) -> f64 {
     format!("{value:.8e}").parse().ok().filter(|short: &f64| short.is_finite()).unwrap_or(value)
 }
 
+/// The same to nine digits, and zero for what is no more than the last bits of a search beside the width; as it is where so few digits do
+/// not tell it.
+fn in_few_digits(parameter: &Parameter, value: f64) -> f64 {
+    if value.abs() <= 1e-10 * parameter.width() && parameter.contains(0.0) {
+        return 0.0;
+    }
+    let short = to_nine_digits(value);
+    if (short - value).abs() <= 1e-8 * parameter.width() { short } else { value }
+}
+
 /// The shortest decimal within 1e-10 of the width, so that a search's last bits do not fill the file.
 fn rounded(parameter: &Parameter, value: f64) -> f64 {
     if parameter.levels() != Levels::Continuous {
         return value;
     }
-    let short = to_nine_digits(value);
-    if (short - value).abs() <= 1e-10 * parameter.width() && parameter.contains(short) {
-        return short;
-    }
+    let is_close = |short: f64| (short - value).abs() <= 1e-10 * parameter.width() && parameter.contains(short);
     let digits = (10.0 - parameter.width().log10()).ceil();
     let scale = 10.0_f64.powf(digits.clamp(0.0, 300.0));
-    let short = (value * scale).round() / scale;
-    // Past a bound, or beyond what a double can scale, the value stays as it is.
-    if short.is_finite() && parameter.contains(short) { short } else { value }
+    let by_width = (value * scale).round() / scale;
+    // Beyond what a double can scale, and past a bound, the digits are those of the number itself.
+    [by_width + 0.0, to_nine_digits(value)].into_iter().find(|&short| is_close(short)).unwrap_or(value)
 }
 
 /// What separates the columns, if it is not commas: a header of one column whose parts are names of parameters.

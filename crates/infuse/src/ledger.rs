@@ -2,12 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::trial::LARGEST;
 use crate::{Error, Outcome, TrialId};
-
-/// The largest magnitude of a response, that of a surface's data: what is larger was not measured.
-const LARGEST: f64 = 1e100;
-#[cfg(feature = "global")]
-const _: () = assert!(LARGEST == surface::Data::LARGEST, "a response that is taken can be a datum");
 
 /// An experiment that is handed out under a number.
 pub(crate) trait Numbered {

@@ -53,11 +53,16 @@ impl Outcome {
     }
 }
 
-/// An error is a failure, and so is a response that is not finite.
+/// The largest magnitude of a response, that of a surface's data: what is larger was not measured.
+pub(crate) const LARGEST: f64 = 1e100;
+#[cfg(feature = "global")]
+const _: () = assert!(LARGEST == surface::Data::LARGEST, "a response that is taken can be a datum");
+
+/// An error is a failure, and so is a response that is not finite or beyond 1e100.
 impl From<Result<f64, String>> for Outcome {
     fn from(result: Result<f64, String>) -> Self {
         match result {
-            Ok(cost) if cost.is_finite() => Self::Value(cost),
+            Ok(cost) if cost.abs() <= LARGEST => Self::Value(cost),
             Ok(cost) => Self::Failed { reason: format!("the experiment returned {cost}") },
             Err(reason) => Self::Failed { reason },
         }

@@ -231,3 +231,29 @@ fn what_is_written_can_be_read_back_or_is_refused() {
         assert!(error.contains("cannot be told from another in the header of a file"), "{names:?}: {error}");
     }
 }
+
+/// What a search leaves of a bound or of the middle is not a setting that anyone can make.
+#[test]
+fn last_bits_of_a_search_are_written_as_what_they_are_beside_the_width() {
+    for (lower, upper, coded, expected) in [
+        (0.0, 10.0, -1.0 + 1.5e-12, "0"),
+        (-10.0, 10.0, -2.6e-12, "0"),
+        (0.0, 10.0, 2.0 / 3.0, "8.333333333"),
+        (1e6, 1e6 + 1e-3, -0.2, "1000000.0004"),
+        (0.0, 3e-7, 1.0 / 3.0 + 1e-12, "0.0000002"),
+        (0.0, 10.0, 1.0 - 1e-13, "10"),
+    ] {
+        let region = Region::new(vec![Parameter::continuous("a", "mm", lower, upper).unwrap()]).unwrap();
+        let design = Design::new(1, vec![coded]).unwrap();
+        let mut text = Vec::new();
+        design.write_csv(&region, RunOrder::Standard, &mut text).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let written = text.lines().last().and_then(|line| line.rsplit(',').next());
+        assert_eq!(written, Some(expected), "{coded} of {lower} to {upper}");
+        let rounded = design.rounded(&region, &doe::Space::of_region(&region).unwrap(), 0).unwrap();
+        let natural = rounded.natural(&region).unwrap()[0][0];
+        let error = (natural - expected.parse::<f64>().unwrap()).abs();
+        assert!(error <= 1e-8 * (upper - lower) + 4.0 * f64::EPSILON * upper.abs(), "{natural}");
+        assert!(expected != "0" || error <= 0.0, "{natural}");
+    }
+}

@@ -96,7 +96,7 @@ impl Campaign {
             at.map(|value| response.cost(value)).collect::<Vec<f64>>()
         };
         let runs: Vec<Vec<f64>> = order.iter().map(|&cell| costs_at(cell)).collect();
-        let noise = noise_of(&runs);
+        let noise = self.noise_of_repeats()?;
         let design = |(place, &cell): (usize, &Cell)| {
             let costs = runs[place].clone();
             let difference = if place == 0 { None } else { difference(&costs, &runs[0], noise) };
@@ -110,6 +110,14 @@ impl Campaign {
         };
         let designs = order.iter().enumerate().map(design).collect::<Result<Vec<_>>>()?;
         Ok(Some(Confirmation { batch, designs }))
+    }
+
+    /// The noise of one run, by what all repeats of the campaign differ by, those that confirm among them: as everywhere in the loop it
+    /// is the same for all. Runs that are set aside say nothing of it.
+    fn noise_of_repeats(&self) -> Result<Option<PureError>> {
+        let aside = self.assessment()?.map(|found| set_aside(self, &found)).unwrap_or_default();
+        let counted = self.readings().into_iter().filter(|(origin, _)| !aside.contains(origin));
+        Ok(PureError::of_readings(counted.map(|(origin, cost)| (self.settings_of(origin), cost))))
     }
 
     /// The designs of a batch that is to confirm, first the recommended one.
@@ -230,13 +238,6 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().map(|value| value / values.len() as f64).sum())
 }
 
-/// The noise of one run, by what the runs of each design differ by: as everywhere in the loop it is the same for all.
-fn noise_of(runs: &[Vec<f64>]) -> Option<PureError> {
-    let of_design =
-        |(place, runs): (usize, &Vec<f64>)| runs.iter().map(|&cost| (vec![place as f64], cost)).collect::<Vec<_>>();
-    PureError::of_readings(runs.iter().enumerate().flat_map(of_design))
-}
-
 /// Half the interval of what has so many times the variance of one run.
 fn half_width(noise: PureError, times: f64) -> Option<f64> {
     let student = StudentsT::new(0.0, 1.0, noise.degrees_of_freedom as f64).ok()?;
@@ -253,6 +254,11 @@ fn difference(a: &[f64], b: &[f64], noise: Option<PureError>) -> Option<(f64, Op
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn noise_of(runs: &[Vec<f64>]) -> Option<PureError> {
+        let runs = runs.iter().enumerate();
+        PureError::of_readings(runs.flat_map(|(place, runs)| runs.iter().map(move |&cost| (vec![place as f64], cost))))
+    }
 
     #[test]
     fn intervals_are_those_of_scipy() {

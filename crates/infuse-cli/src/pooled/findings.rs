@@ -339,10 +339,25 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                 }
                 (false, _) => format!("That is more than {of_worth}: go on."),
             };
-            let (worth, unit) = (response.of_difference(worth), response.unit_of_differences());
-            finding.detail(Finding::new(sentence).with("worth", worth, unit))
+            let finding = finding.detail(Finding::new(sentence).with(
+                "worth",
+                response.of_difference(worth),
+                response.unit_of_differences(),
+            ));
+            only_for_the_reserve(campaign, found, worth).into_iter().fold(finding, Finding::detail)
         }
     }
+}
+
+/// That nothing but the reserve for a narrow well keeps the campaign going, and what ends it now.
+fn only_for_the_reserve(campaign: &Campaign, found: &Assessment, worth: f64) -> Option<Finding> {
+    let is_enough = found.forecast.drawn <= worth && found.contradiction.is_none() && !found.smooth_refuted;
+    found.forecast.reserves_until().filter(|_| is_enough && found.certificate.bound > worth)?;
+    let well = campaign.problem.response.well();
+    Some(Finding::new(format!(
+        "Nothing but what is held for a narrow {well} keeps the campaign going: if the response surely has none, write `smooth = true` under \
+         [stop], and it may end now."
+    )))
 }
 
 /// That more batches may be needed than anyone makes, and whether the noise allows for so small a `worth` at all.
@@ -389,16 +404,24 @@ fn by_the_surface_alone(campaign: &Campaign, found: &Assessment) -> String {
     format!("The surface alone would say {says}")
 }
 
+/// How many designs count as run.
+fn so_far(forecast: &Forecast) -> String {
+    let crowding = match forecast.crowded > 0.0 {
+        true => ", and imported ones that crowd for as few as would tell as much",
+        false => "",
+    };
+    format!("{} so far, a repeat counting half{crowding}", plain(forecast.n_counted()))
+}
+
 /// What it is that the least of the response leaves less of: that a narrow well is held for.
 fn even_more(campaign: &Campaign, found: &Assessment) -> String {
     let (response, forecast) = (&campaign.problem.response, Forecast { most: None, ..found.forecast });
     let Some(enough) = forecast.reserves_until() else { return String::new() };
     format!(
-        " {}; even more than that is held for a narrow {} that no run may have met, until {enough} designs were run ({} so far, a repeat \
-         counting half){}.",
+        " {}; even more than that is held for a narrow {} that no run may have met, until {enough} designs were run ({}){}.",
         by_the_surface_alone(campaign, found),
         response.well(),
-        plain(forecast.n_counted()),
+        so_far(&forecast),
         if found.smooth_refuted { "" } else { ", or `smooth` in [stop] says that there surely is none" }
     )
 }
@@ -408,8 +431,9 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
     let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, found.certificate);
     if let (true, Some(least)) = (found.forecast.is_for_the_least(), response.least()) {
         let sentence = format!(
-            "More is not to be had: that is what is left down to {}, the best value that [response] allows, from as far off as the \
+            "More is not to be had: that is what is left {} to {}, the best value that [response] allows, from as far off as the \
              recommended design may be.{}",
+            response.better_way(),
             response.value_to(least, 0.0),
             even_more(campaign, found)
         );
@@ -430,7 +454,6 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
                 true => format!(", and {} with {few}", response.amount(forecast.drawn)),
                 false => String::new(),
             };
-            let n = plain(forecast.n_counted());
             let shown = forecast.narrow.map_or_else(String::new, |share| {
                 format!(" The simulation has one of {} of all designs, so that there may be others.", percent(share))
             });
@@ -440,7 +463,8 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
             };
             format!(
                 "{alone}{widened}; the rest is held for a narrow {well} that no run may have met. It falls away \
-                 at {enough} designs run ({n} so far, a repeat counting half){or_smooth}.{shown}"
+                 at {enough} designs run ({}){or_smooth}.{shown}",
+                so_far(forecast)
             )
         }
         None if forecast.is_for_a_find() => match &found.find {

@@ -20,7 +20,7 @@ pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
         (
             Reason::Little,
             "for little",
-            "where one more run is expected to improve the best response most, but by next to nothing, as anywhere",
+            "where one more run is expected to improve the best response most, which is next to nothing anywhere by now",
         ),
         (
             Reason::Noise,

@@ -228,6 +228,14 @@ impl Response {
         }
     }
 
+    /// "down" or "up", whichever is better.
+    pub(crate) fn better_way(&self) -> &'static str {
+        match self.goal {
+            Goal::Minimize => "down",
+            Goal::Maximize => "up",
+        }
+    }
+
     /// "above" or "below", where what is worse lies.
     pub(crate) fn worse_side(&self) -> &'static str {
         match self.goal {

@@ -1,6 +1,6 @@
 //! What the experiments so far come to: the recommended design, how far it may be from the best, and what speaks against it.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use design_space::Cell;
 use rand::RngExt;
@@ -243,25 +243,25 @@ pub(crate) struct Look {
     best_read: Cell,
 }
 
-/// Designs that were run outside of the campaign alone, of which the readings have numbers below `n_earlier`, beyond as many evenly spread
-/// ones as leave as much of the box unseen.
+/// Of the designs run, a repeat counting half, those outside of the campaign alone, of which the readings have numbers below `n_earlier`,
+/// beyond as many evenly spread ones as leave as much of the box unseen.
 fn crowded(
     knowledge: &Knowledge<'_, '_>,
     pool: &Pool,
     readings: &[Reading],
     n_earlier: usize,
     seed: u64,
-) -> Result<usize, Error> {
+) -> Result<f64, Error> {
     let own: BTreeSet<Cell> =
         readings.iter().filter(|reading| reading.number >= n_earlier).map(|reading| reading.cell).collect();
-    let alone = readings.iter().filter(|reading| !own.contains(&reading.cell));
-    let alone: BTreeMap<Cell, &[f64]> = alone.map(|reading| (reading.cell, &reading.coded[..])).collect();
+    let alone: Vec<&Reading> = readings.iter().filter(|reading| !own.contains(&reading.cell)).collect();
     if alone.is_empty() {
-        return Ok(0);
+        return Ok(0.0);
     }
-    let runs: Vec<&[f64]> = alone.into_values().collect();
-    let n_even = Coverage::of(knowledge.designs, pool, &runs)?.even_runs(knowledge.designs, runs.len(), seed)?;
-    Ok(runs.len() - n_even)
+    let designs: BTreeSet<Cell> = alone.iter().map(|reading| reading.cell).collect();
+    let runs: Vec<&[f64]> = alone.iter().map(|reading| &reading.coded[..]).collect();
+    let n_even = Coverage::of(knowledge.designs, pool, &runs)?.even_runs(knowledge.designs, designs.len(), seed)?;
+    Ok(0.5 * (designs.len() + alone.len()) as f64 - n_even as f64)
 }
 
 /// So many promising cells are looked at on each plant of a batch.
@@ -309,7 +309,7 @@ impl Look {
             n_tried: tried.len(),
             n_even,
             n_failed,
-            n_crowded: crowded(knowledge, &pool, readings, n_earlier, settings.seed)?,
+            crowded: crowded(knowledge, &pool, readings, n_earlier, settings.seed)?,
             ignored: knowledge.ignored(),
             n_designs: designs.n_allowed(),
             is_smooth: settings.smooth,

@@ -71,14 +71,17 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::DesignSpace`] for 2⁶⁴ designs or more, by levels alone, [`Error::NoDesignAllowed`], and those of
-    /// [`Settings::validate`].
+    /// [`Error::DesignSpace`] for 2⁶⁴ designs or more, by levels alone, [`Error::NoDesignAllowed`], [`Error::Surface`] for more factors than a
+    /// surface can have, and those of [`Settings::validate`].
     pub fn new(region: &Region, settings: Settings) -> Result<Self, Error> {
         settings.validate()?;
         check_plants(&settings, region)?;
         let mut rng = stream(settings.seed, Purpose::Designs, 0);
+        let designs = Designs::of(region, &settings.linear_constraints, &mut rng)?;
+        // The surface has a limit, which is said before anything is run.
+        designs.places(&[])?;
         Ok(Self {
-            designs: Designs::of(region, &settings.linear_constraints, &mut rng)?,
+            designs,
             settings,
             records: Vec::new(),
             earlier: Vec::new(),

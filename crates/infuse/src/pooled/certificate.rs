@@ -47,8 +47,9 @@ pub(crate) struct Evidence {
     pub(crate) n_even: usize,
     /// Designs of the campaign all of whose experiments failed: none of them is the best.
     pub(crate) n_failed: usize,
-    /// Designs that were run outside of the campaign alone, beyond as many evenly spread ones as leave as much of the box unseen.
-    pub(crate) n_crowded: usize,
+    /// Of the designs run, a repeat counting half, those outside of the campaign alone, beyond as many evenly spread ones as leave as much
+    /// of the box unseen.
+    pub(crate) crowded: f64,
     /// The probability that the simulation is of no use.
     pub(crate) ignored: f64,
     /// All that may be run.
@@ -85,10 +86,8 @@ impl Evidence {
 
 /// As many designs run, where a repeat counts half: it shows no other well, but that what was seen is not the noise. One that failed
 /// counts, for no well is there; those that were run outside of the campaign do as far as they do not crowd.
-fn designs_counted([n_tried, n_readings, n_failed, n_crowded]: [usize; 4]) -> f64 {
-    let n_tried = (n_tried + n_failed).saturating_sub(n_crowded);
-    let n_runs = (n_readings + n_failed).saturating_sub(n_crowded);
-    0.5 * (n_tried + n_runs).max(1) as f64
+fn designs_counted([n_tried, n_readings, n_failed]: [usize; 3], crowded: f64) -> f64 {
+    (0.5 * (n_tried + n_readings) as f64 + n_failed as f64 - crowded).max(1.0)
 }
 
 /// So many times what the readings differ by may be missing anyway: a narrow well is as likely to lie where nobody looked.
@@ -185,9 +184,10 @@ pub struct Forecast {
     /// Designs that failed in every experiment: they are as good as seen.
     #[serde(default)]
     pub n_failed: usize,
-    /// Designs that were run outside of the campaign and crowd, so that others tell as much: they do not count for the reserve.
+    /// As many designs, a repeat counting half, were run outside of the campaign and crowd, so that fewer, evenly spread, would tell as
+    /// much: these do not count for the reserve.
     #[serde(default)]
-    pub n_crowded: usize,
+    pub crowded: f64,
     /// Designs that there are.
     pub n_designs: u64,
     /// Readings to a batch.
@@ -286,7 +286,7 @@ impl Forecast {
     /// Designs run until now, a repeat counting half, with those that failed and without those that crowd.
     #[must_use]
     pub fn n_counted(&self) -> f64 {
-        designs_counted([self.n_tried, self.n_readings, self.n_failed, self.n_crowded])
+        designs_counted([self.n_tried, self.n_readings, self.n_failed], self.crowded)
     }
 }
 
@@ -413,7 +413,7 @@ impl Draws {
 
     /// With so many experiments to a batch.
     pub(crate) fn forecast(&self, probability: f64, n_experiments: usize) -> Forecast {
-        let Evidence { n_readings, n_tried, n_failed, n_crowded, n_parameters, n_designs, narrow, .. } = self.evidence;
+        let Evidence { n_readings, n_tried, n_failed, crowded, n_parameters, n_designs, narrow, .. } = self.evidence;
         let narrow = narrow.filter(|_| enough(n_parameters, narrow) > enough(n_parameters, None));
         let drawn = self.drawn(probability);
         let spread = self.evidence.untried() * self.spread;
@@ -431,7 +431,7 @@ impl Draws {
             n_readings,
             n_tried,
             n_failed,
-            n_crowded,
+            crowded,
             n_designs,
             n_experiments,
             n_parameters,
@@ -544,7 +544,7 @@ mod tests {
     use super::*;
 
     fn counted(evidence: &Evidence) -> f64 {
-        designs_counted([evidence.n_tried, evidence.n_readings, evidence.n_failed, evidence.n_crowded])
+        designs_counted([evidence.n_tried, evidence.n_readings, evidence.n_failed], evidence.crowded)
     }
 
     fn reserve(evidence: &Evidence) -> f64 {
@@ -562,7 +562,7 @@ mod tests {
                     n_tried,
                     n_even,
                     n_failed,
-                    n_crowded: (crowded * n_tried as f64) as usize,
+                    crowded: crowded * n_tried as f64,
                     ignored,
                     n_designs: n_tried as u64 + 1 + more,
                     is_smooth,
@@ -675,7 +675,7 @@ mod tests {
                 n_tried,
                 n_even: 1,
                 n_failed: 0,
-                n_crowded: 0,
+                crowded: 0.0,
                 ignored,
                 n_designs,
                 is_smooth: false,
@@ -696,7 +696,7 @@ mod tests {
         assert!((counted(&thrice) - 4.5).abs() < 1e-12);
         // Two more that failed are seen; one of three that crowd is not.
         assert!((counted(&Evidence { n_failed: 2, ..thrice }) - 6.5).abs() < 1e-12);
-        assert!((counted(&Evidence { n_crowded: 1, ..thrice }) - 3.5).abs() < 1e-12);
+        assert!((counted(&Evidence { crowded: 1.0, ..thrice }) - 3.5).abs() < 1e-12);
         assert!((evidence(6, 25, 1.0, 100).untried() - 0.75).abs() < 1e-12);
         assert!(Evidence { is_smooth: true, ..evidence(6, 3, 1.0, 100) }.untried().abs() < 1e-12);
         for (n_tried, held) in [
@@ -752,7 +752,7 @@ mod tests {
             n_readings: 10,
             n_tried: 10,
             n_failed: 0,
-            n_crowded: 0,
+            crowded: 0.0,
             n_designs: 10_000,
             n_experiments: 5,
             n_parameters: 2,

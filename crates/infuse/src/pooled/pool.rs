@@ -17,6 +17,8 @@ const RANDOM: usize = 2500;
 const LOWEST_SIMULATED: usize = 400;
 const STARTS: usize = 6;
 const AROUND: usize = 40;
+/// How far around, as a share of the ranges: first, and then of the best that were found so.
+const FARTHEST: [f64; 2] = [0.3, 0.1];
 const PROMISING: usize = 375;
 /// So many of the promising ones are the sceptic's: where the simulation misleads, what it calls bad is never promising to who
 /// believes it.
@@ -89,18 +91,22 @@ impl Pool {
         cells.extend(&knowledge.measured);
         cells.retain(|&cell| designs.allows(cell));
         let coarse = Self::of(knowledge, cells.iter().copied().collect())?;
-        let mut starts: Vec<Cell> = coarse.first(&coarse.by_lower_bound(0.0), STARTS).cells;
-        starts.extend(coarse.first(&coarse.by_lower_bound(2.0), STARTS).cells);
-        let mut around = BTreeSet::new();
-        for start in starts {
-            for _ in 0..AROUND {
-                let share = 0.3 * rng.random::<f64>().powi(2);
-                around.insert(designs.near(start, share, &mut rng));
+        let mut pool = coarse;
+        for farthest in FARTHEST {
+            let mut starts: Vec<Cell> = pool.first(&pool.by_lower_bound(0.0), STARTS).cells;
+            starts.extend(pool.first(&pool.by_lower_bound(2.0), STARTS).cells);
+            let mut around = BTreeSet::new();
+            for start in starts {
+                for _ in 0..AROUND {
+                    let share = farthest * rng.random::<f64>().powi(2);
+                    around.insert(designs.near(start, share, &mut rng));
+                }
             }
+            let around: Vec<Cell> = around.into_iter().filter(|&cell| cells.insert(cell)).collect();
+            let finer = Self::of(knowledge, around)?;
+            pool = pool.followed_by(finer);
         }
-        let around: Vec<Cell> = around.into_iter().filter(|cell| !cells.contains(cell)).collect();
-        let fine = Self::of(knowledge, around)?;
-        Ok(Self { random, ..coarse.followed_by(fine) })
+        Ok(Self { random, ..pool })
     }
 
     fn followed_by(self, other: Self) -> Self {

@@ -16,7 +16,9 @@ pub struct Settings {
     pub n_experiments: usize,
     /// Simulations per batch, where they are dear: the loop then says which to run, and a surface through them stands for the
     /// others. The experiments' own settings are simulated first, and may alone be more; where the simulation is displaced, the
-    /// settings that tell of them. Default: the simulation is cheap, and run wherever it is needed.
+    /// settings that tell of them. Default: the simulation is cheap, and run wherever it is needed, which is at thousands of designs in a
+    /// batch, and at tens of thousands where it may be [displaced](Self::displaced): one that takes longer than a millisecond or so is
+    /// better called dear.
     #[serde(default)]
     pub simulations: Option<usize>,
     /// Whether the simulation may be displaced: right not of the design that it is asked for but of one that is so much farther along each

@@ -203,4 +203,6 @@ fn an_outcome_from_a_result_keeps_the_reason() {
     assert_eq!(Outcome::from(Ok(2.0)), Outcome::Value(2.0));
     assert_eq!(Outcome::from(Err("rain".to_owned())), failed("rain"));
     assert_eq!(Outcome::from(Ok(f64::INFINITY)), failed("the experiment returned inf"));
+    assert!(matches!(Outcome::from(Ok(1e101)), Outcome::Failed { .. }), "no surface takes it");
+    assert_eq!(Outcome::from(Ok(-1e100)), Outcome::Value(-1e100));
 }

@@ -85,7 +85,7 @@ impl Row {
             n_readings,
             n_tried,
             n_failed: 0,
-            n_crowded: 0,
+            crowded: 0.0,
             n_designs,
             n_experiments,
             n_parameters,

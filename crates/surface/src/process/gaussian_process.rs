@@ -137,6 +137,10 @@ pub struct Contrast {
 
 impl Contrast {
     /// Probability that the response at a place is below that at the first.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such place.
     #[must_use]
     pub fn probability_below(&self, place: usize) -> f64 {
         match (self.means[place], self.variances[place]) {
