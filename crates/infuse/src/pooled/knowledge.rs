@@ -171,6 +171,11 @@ impl<'a, 's> Knowledge<'a, 's> {
         !matches!(self.source, Source::Nothing)
     }
 
+    /// Whether it is run wherever it is needed.
+    pub(crate) fn is_simulated_everywhere(&self) -> bool {
+        matches!(self.source, Source::Cheap { .. })
+    }
+
     /// The probability that the response is better learnt without the simulation; one where there is none, or one that says the same of
     /// all that was measured.
     pub(crate) fn ignored(&self) -> f64 {

@@ -17,8 +17,10 @@ const RANDOM: usize = 2500;
 const LOWEST_SIMULATED: usize = 400;
 const STARTS: usize = 6;
 const AROUND: usize = 40;
-/// How far around, as a share of the ranges: first, and then of the best that were found so.
-const FARTHEST: [f64; 2] = [0.3, 0.1];
+/// How far around, as a share of the ranges.
+const FARTHEST: f64 = 0.3;
+/// The same of the best that were found so, where a simulation is run everywhere: the surface is then as finely featured as that is.
+const FARTHEST_AGAIN: f64 = 0.1;
 const PROMISING: usize = 375;
 /// So many of the promising ones are the sceptic's: where the simulation misleads, what it calls bad is never promising to who
 /// believes it.
@@ -92,7 +94,8 @@ impl Pool {
         cells.retain(|&cell| designs.allows(cell));
         let coarse = Self::of(knowledge, cells.iter().copied().collect())?;
         let mut pool = coarse;
-        for farthest in FARTHEST {
+        let again = knowledge.is_simulated_everywhere().then_some(FARTHEST_AGAIN);
+        for farthest in [FARTHEST].into_iter().chain(again) {
             let mut starts: Vec<Cell> = pool.first(&pool.by_lower_bound(0.0), STARTS).cells;
             starts.extend(pool.first(&pool.by_lower_bound(2.0), STARTS).cells);
             let mut around = BTreeSet::new();
