@@ -50,24 +50,14 @@ pub(crate) fn spread(designs: &Designs, count: usize, scramble: u32) -> Vec<Cell
 
 #[cfg(test)]
 mod tests {
-    use design_space::{Parameter, Region};
-    use rand::SeedableRng as _;
-
     use super::*;
-
-    fn designs(n_parameters: usize, levels: u32) -> Designs {
-        let number = |index: usize| {
-            Parameter::continuous(format!("x{index}"), "1", 0.0, 1.0).unwrap().with_levels(levels).unwrap()
-        };
-        let region = Region::new((0..n_parameters).map(number).collect()).unwrap();
-        Designs::of(&region, &[], &mut rand_chacha::ChaCha8Rng::seed_from_u64(1)).unwrap()
-    }
+    use crate::pooled::scene::Scene;
 
     /// The first 4^2 points of two dimensions of Sobol's sequence are a net: one in each of 4 by 4 squares, however scrambled.
     #[test]
     fn sixteen_cells_of_a_square_of_sixteen_are_all_different() {
         for scramble in 0..20 {
-            let mut cells = spread(&designs(2, 4), 16, scramble);
+            let mut cells = spread(&Scene::new(&[4, 4]).designs, 16, scramble);
             cells.sort_unstable();
             cells.dedup();
             assert_eq!(cells.len(), 16, "scramble {scramble}");

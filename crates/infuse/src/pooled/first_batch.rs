@@ -131,34 +131,28 @@ fn far_apart(designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell
 
 #[cfg(test)]
 mod tests {
-    use design_space::{Parameter, Region};
-    use rand::SeedableRng as _;
-
     use super::*;
-
-    fn designs(n_parameters: usize, levels: u32) -> Designs {
-        let number = |index: usize| {
-            Parameter::continuous(format!("x{index}"), "1", 0.0, 1.0).unwrap().with_levels(levels).unwrap()
-        };
-        let region = Region::new((0..n_parameters).map(number).collect()).unwrap();
-        Designs::of(&region, &[], &mut rand_chacha::ChaCha8Rng::seed_from_u64(1)).unwrap()
-    }
+    use crate::pooled::scene::Scene;
 
     #[test]
     fn of_few_cells_none_is_run_twice_while_there_is_another() {
         let cells = |cells: &[u64]| cells.iter().map(|&cell| Cell::new(cell)).collect::<Vec<_>>();
-        let (two, six, none) = (designs(1, 2), designs(1, 6), BTreeSet::new());
+        let (two, six, none) = (Scene::new(&[2]).designs, Scene::new(&[6]).designs, BTreeSet::new());
         assert_eq!(distinct(&two, cells(&[0, 0]), &none), cells(&[0, 1]));
         assert_eq!(distinct(&two, cells(&[1, 1, 1]), &none), cells(&[1, 0, 1]));
         assert_eq!(distinct(&six, cells(&[2, 5, 2, 5]), &BTreeSet::from([Cell::new(0)])), cells(&[2, 5, 1, 3]));
-        assert_eq!(distinct(&designs(1, 24), cells(&[7, 7]), &none), cells(&[7, 7]), "there is room for a repeat");
+        assert_eq!(
+            distinct(&Scene::new(&[24]).designs, cells(&[7, 7]), &none),
+            cells(&[7, 7]),
+            "there is room for a repeat"
+        );
     }
 
     #[test]
     fn each_cell_is_the_farthest_from_those_before_it() {
         let line = |cells: &[u64]| cells.iter().map(|&cell| Cell::new(cell)).collect::<Vec<_>>();
-        let found = far_apart(&designs(1, 21), &line(&[10, 0, 4, 20, 12]), 4).unwrap();
+        let found = far_apart(&Scene::new(&[21]).designs, &line(&[10, 0, 4, 20, 12]), 4).unwrap();
         assert_eq!(found, line(&[10, 0, 20, 4]), "of equals the first");
-        assert_eq!(far_apart(&designs(1, 21), &[], 4).unwrap(), []);
+        assert_eq!(far_apart(&Scene::new(&[21]).designs, &[], 4).unwrap(), []);
     }
 }
