@@ -272,6 +272,20 @@ def test_the_worth_ends_a_campaign() -> None:
     assert loop.stopped is None and len(loop.ask(simulation)) == 6
 
 
+def test_by_the_surface_alone_a_campaign_ends_sooner() -> None:
+    def ended(stop_by: str) -> PooledLoop:
+        loop = PooledLoop(SPRING_AND_DAMPER, 6, worth=0.2, seed=1, stop_by=stop_by)
+        assert loop.run(simulation, rig) == "not_worth_it"
+        return loop
+
+    loop = ended("surface")
+    found = loop.assess(simulation)
+    assert found is not None and found.certificate.quantile <= 0.2 and found.further_batches == 0
+    assert found.certificate.bound > 0.2 and len(loop.records()) < len(ended("bound").records())
+    with pytest.raises(Error, match="expected `bound` or `surface`"):
+        PooledLoop(SPRING_AND_DAMPER, 6, stop_by="surfaces")
+
+
 def test_a_copy_is_a_campaign_of_its_own() -> None:
     loop = after_batches(1)
     for other in (copy.copy(loop), copy.deepcopy(loop), pickle.loads(pickle.dumps(loop))):

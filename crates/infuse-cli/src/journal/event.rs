@@ -172,6 +172,9 @@ pub(crate) struct Assessed {
     /// With this probability no design is better by more than `bound`; none where that could not be said.
     pub(crate) probability: f64,
     pub(crate) bound: Option<f64>,
+    /// The same by the surface alone; none in journals of an earlier version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) alone: Option<f64>,
     /// Share of the designs that may still be the best.
     pub(crate) left: f64,
     pub(crate) noise: f64,

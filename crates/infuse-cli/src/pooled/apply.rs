@@ -81,6 +81,7 @@ impl Campaign {
             let assessed = Assessed {
                 batch,
                 bound: promised(self, &found),
+                alone: promised(self, &found).map(|_| found.certificate.quantile),
                 recommended: found.recommended.point,
                 expected: self.problem.response.of_cost(found.recommended.mean),
                 deviation: found.recommended.deviation,

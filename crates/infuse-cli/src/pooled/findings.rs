@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use infuse::pooled::reported::SimulationWorth;
-use infuse::pooled::{Assessment, Certificate, Forecast, Needed, Standing};
+use infuse::pooled::{Assessment, Certificate, Forecast, Needed, Standing, StopBy};
 use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
@@ -267,7 +267,9 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         let sentence = "By how much another design may be better cannot be said. All results are equal: whether to go on, they cannot tell.";
         return Finding::new(sentence);
     }
-    let sentence = format!("With {}.", none_better(&campaign.problem, certificate));
+    let alone = by_the_surface_alone(campaign, found)
+        .map_or_else(String::new, |alone| format!("; by the surface alone, by {alone}"));
+    let sentence = format!("With {}{alone}.", none_better(&campaign.problem, certificate));
     let simulation = match campaign.problem.simulator.is_there() {
         true => " on the simulation as far as these agree with it,",
         false => "",
@@ -306,25 +308,32 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
             finding.detail(Finding::new("`worth` in [stop] says from what gain on another batch is worth its cost."))
         }
         Some(worth) => {
+            let stop_by = campaign.settings.stop_by;
             let of_worth = format!("{} of `worth`", response.the_amount(worth));
-            let sentence = match (certificate.bound <= worth, found.further_batches) {
+            let that = what_stops(campaign, &alone);
+            let is_enough = found.bound_to_stop_by(stop_by).is_some_and(|left| left <= worth);
+            let may_be_unseen = match stop_by {
+                StopBy::Bound => excepted,
+                _ => unseen_share(campaign, found),
+            };
+            let sentence = match (is_enough, found.further_batches) {
                 (true, _) if found.contradiction.is_some() => {
-                    format!("That is no more than {of_worth}, but a measurement speaks against it: go on.")
+                    format!("{that} is no more than {of_worth}, but a measurement speaks against it: go on.")
                 }
-                (true, _) => match excepted {
+                (true, _) => match may_be_unseen {
                     Some(share) => format!(
-                        "That is no more than {of_worth}: stop, unless a {} of less than {} of all designs may be there.",
+                        "{that} is no more than {of_worth}: stop, unless a {} of less than {} of all designs may be there.",
                         response.well(),
                         percent(share)
                     ),
-                    None => format!("That is no more than {of_worth}: stop."),
+                    None => format!("{that} is no more than {of_worth}: stop."),
                 },
                 (false, Some(batches)) if batches <= campaign.n_left() as u64 => {
                     let n = count(usize::try_from(batches).unwrap_or(usize::MAX), "more batch");
-                    format!("That is more than {of_worth}: go on; {n} may do.")
+                    format!("{that} is more than {of_worth}: go on; {n} may do.")
                 }
                 (false, Some(batches)) if campaign.n_left() > 0 => format!(
-                    "That is more than {of_worth}: go on, though {} that [loop] `batches` leaves may not do: {} may be needed.",
+                    "{that} is more than {of_worth}: go on, though {} that [loop] `batches` leaves may not do: {} may be needed.",
                     match campaign.n_left() {
                         1 => "the one batch".to_owned(),
                         n => format!("the {}", count(n, "batch")),
@@ -332,32 +341,52 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                     grouped(batches)
                 ),
                 (false, None) => {
-                    format!("That is more than {of_worth}: {}", beyond_any_forecast(campaign, found, worth))
+                    format!("{that} is more than {of_worth}: {}", beyond_any_forecast(campaign, found, worth))
                 }
                 (false, _) if campaign.n_left() == 0 => {
-                    format!("That is more than {of_worth}, and [loop] `batches` leaves none.")
+                    format!("{that} is more than {of_worth}, and [loop] `batches` leaves none.")
                 }
-                (false, _) => format!("That is more than {of_worth}: go on."),
+                (false, _) => format!("{that} is more than {of_worth}: go on."),
             };
             let finding = finding.detail(Finding::new(sentence).with(
                 "worth",
                 response.of_difference(worth),
                 response.unit_of_differences(),
             ));
-            only_for_the_reserve(campaign, found, worth).into_iter().fold(finding, Finding::detail)
+            may_end_now(campaign, found, worth).into_iter().fold(finding, Finding::detail)
         }
     }
 }
 
-/// That nothing but the reserve for a narrow well keeps the campaign going, and what ends it now.
-fn only_for_the_reserve(campaign: &Campaign, found: &Assessment, worth: f64) -> Option<Finding> {
-    let is_enough = found.forecast.drawn <= worth && found.contradiction.is_none() && !found.smooth_refuted;
-    found.forecast.reserves_until().filter(|_| is_enough && found.certificate.bound > worth)?;
+/// What has to be no more than `worth`: where two numbers were said, which of them.
+fn what_stops(campaign: &Campaign, alone: &str) -> &'static str {
+    match (campaign.settings.stop_by, alone.is_empty()) {
+        (_, true) => "That",
+        (StopBy::Bound, false) => "The bound",
+        _ => "What the surface alone says, by which `by` in [stop] stops,",
+    }
+}
+
+/// How the campaign would end now, were less held for what nobody has seen.
+fn may_end_now(campaign: &Campaign, found: &Assessment, worth: f64) -> Option<Finding> {
+    let Assessment { forecast, contradiction, smooth_refuted, .. } = found;
+    if campaign.settings.stop_by != StopBy::Bound || contradiction.is_some() || found.certificate.bound <= worth {
+        return None;
+    }
     let well = campaign.problem.response.well();
-    Some(Finding::new(format!(
-        "Nothing but what is held for a narrow {well} keeps the campaign going: if the response surely has none, write `smooth = true` under \
-         [stop], and it may end now."
-    )))
+    let is_held = forecast.reserves_until().is_some() && forecast.drawn <= worth && !smooth_refuted;
+    let by_the_surface = "`by = \"surface\"` under [stop]";
+    let sentence = match (is_held, forecast.by_the_surface() <= worth) {
+        (true, _) => format!(
+            "Nothing but what is held for a narrow {well} keeps the campaign going: if the response surely has none, write `smooth = true` \
+             under [stop], and it may end now; {by_the_surface} ends it at the risk that there is one."
+        ),
+        (false, true) => format!(
+            "By what the surface alone says it may end now: {by_the_surface} does so, at the risk of what so few results may not have shown."
+        ),
+        (false, false) => return None,
+    };
+    Some(Finding::new(sentence))
 }
 
 /// That more batches may be needed than anyone makes, and whether the noise allows for so small a `worth` at all.
@@ -386,8 +415,7 @@ fn beyond_any_forecast(campaign: &Campaign, found: &Assessment, worth: f64) -> S
 /// differ by. Such a well may be as deep as that.
 fn excepted(campaign: &Campaign, found: &Assessment) -> Option<f64> {
     let is_held = found.certificate.bound >= found.forecast.spread;
-    let is_smooth = campaign.problem.smooth == Some(true) && !found.smooth_refuted;
-    if is_smooth || is_held { None } else { found.unseen }
+    if is_held { None } else { unseen_share(campaign, found) }
 }
 
 /// From this share of what runs of a plant share on it is said that it may be the plants' own.
@@ -395,13 +423,19 @@ const MUCH_IS_OWN: f64 = 0.3;
 /// From this share of the bound on it is said that it is not the surface's.
 const MUCH_IS_HELD: f64 = 0.2;
 
-/// What would be promised, were the surface believed as it is.
-fn by_the_surface_alone(campaign: &Campaign, found: &Assessment) -> String {
-    let says = match found.certificate.quantile {
-        quantile if quantile > 0.0 => campaign.problem.response.amount(quantile),
-        _ => "that none is better".to_owned(),
-    };
-    format!("The surface alone would say {says}")
+/// "more than 0.2 mm": what would be promised, were the surface believed as it is; none where that is hardly less.
+fn by_the_surface_alone(campaign: &Campaign, found: &Assessment) -> Option<String> {
+    let Certificate { bound, quantile, .. } = found.certificate;
+    (bound - quantile > MUCH_IS_HELD * bound).then(|| match quantile {
+        quantile if quantile > 0.0 => format!("more than {}", campaign.problem.response.amount(quantile)),
+        _ => "nothing".to_owned(),
+    })
+}
+
+/// The share of all designs that a well may take unseen, unless it is said that there is none.
+fn unseen_share(campaign: &Campaign, found: &Assessment) -> Option<f64> {
+    let is_smooth = campaign.problem.smooth == Some(true) && !found.smooth_refuted;
+    if is_smooth { None } else { found.unseen }
 }
 
 /// How many designs count as run.
@@ -418,8 +452,7 @@ fn even_more(campaign: &Campaign, found: &Assessment) -> String {
     let (response, forecast) = (&campaign.problem.response, Forecast { most: None, ..found.forecast });
     let Some(enough) = forecast.reserves_until() else { return String::new() };
     format!(
-        " {}; even more than that is held for a narrow {} that no run may have met, until {enough} designs were run ({}){}.",
-        by_the_surface_alone(campaign, found),
+        " Even more than that is held for a narrow {} that no run may have met, until {enough} designs were run ({}){}.",
         response.well(),
         so_far(&forecast),
         if found.smooth_refuted { "" } else { ", or `smooth` in [stop] says that there surely is none" }
@@ -443,7 +476,6 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
         return None;
     }
     let forecast = &found.forecast;
-    let alone = by_the_surface_alone(campaign, found);
     let well = response.well();
     let few = format!("what {} may not have shown", count(forecast.n_readings, "result"));
     let until = forecast.reserves_until();
@@ -451,7 +483,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
         Some(enough) => {
             let is_widened = forecast.drawn - quantile > MUCH_IS_HELD * forecast.drawn;
             let widened = match is_widened {
-                true => format!(", and {} with {few}", response.amount(forecast.drawn)),
+                true => format!("With {few} it would be {}. ", response.amount(forecast.drawn)),
                 false => String::new(),
             };
             let shown = forecast.narrow.map_or_else(String::new, |share| {
@@ -462,22 +494,20 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
                 false => ", or by `smooth` in [stop] if there surely is none",
             };
             format!(
-                "{alone}{widened}; the rest is held for a narrow {well} that no run may have met. It falls away \
+                "{widened}The rest is held for a narrow {well} that no run may have met. It falls away \
                  at {enough} designs run ({}){or_smooth}.{shown}",
                 so_far(forecast)
             )
         }
         None if forecast.is_for_a_find() => match &found.find {
             Some(find) => format!(
-                "{alone}; the rest is held for a narrow {well} of which only a part may have been found: far \
+                "The rest is held for a narrow {well} of which only a part may have been found: far \
                  better than runs elsewhere say was {}. The next batch looks around it.",
                 campaign.problem.describe(find)
             ),
-            None => {
-                format!("{alone}; the rest is what a measured design is better by that contradicts the recommendation.")
-            }
+            None => "The rest is what a measured design is better by that contradicts the recommendation.".to_owned(),
         },
-        None => format!("{alone}; the rest is held for {few}."),
+        None => format!("The rest is held for {few}."),
     };
     let (quantile, unit) = (response.of_difference(quantile), response.unit_of_differences());
     let finding = Finding::new(sentence).with("the surface alone", quantile, unit);
@@ -716,9 +746,11 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
         Some(_) => format!("no design is known to keep to the bounds, this one{}", likely_to_keep(campaign, here)),
         None if promised(campaign, found).is_none() => "by how much others may be better cannot be said yet".to_owned(),
         None => format!(
-            "none better by more than {} ({})",
+            "none better by more than {} ({}){}",
             response.amount(found.certificate.bound),
-            percent(found.certificate.probability)
+            percent(found.certificate.probability),
+            by_the_surface_alone(campaign, found)
+                .map_or_else(String::new, |alone| format!(", by the surface alone by {alone}"))
         ),
     };
     let sentence = format!(

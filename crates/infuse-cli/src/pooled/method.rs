@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use design_space::Cell;
-use infuse::pooled::{Settings, Trial};
+use infuse::pooled::{Certificate, Settings, StopBy, Trial};
 use page::Finding;
 use serde_json::{Value, json};
 
@@ -173,6 +173,7 @@ impl campaign::Campaign for Campaign {
             "bound": bound,
             "needed": found.needed,
             "bound_by_the_surface_alone": bound.map(|_| response.of_difference(found.certificate.quantile)),
+            "stops_by": self.settings.stop_by,
             "probability": found.certificate.probability,
             "further_batches": found.further_batches.filter(|_| bound.is_some()),
             "designs_without_reserve": found.forecast.reserves_until(),
@@ -245,14 +246,17 @@ impl Campaign {
         // A worth of another scale ends nothing.
         let is_unsure = all_equal(self).is_some() || !self.left_from_another_scale().is_empty();
         let speaks_against = found.contradiction.is_some() || is_unsure;
-        let is_reached = found.bound().is_some_and(|bound| bound <= worth) && !speaks_against;
-        Ok(is_reached.then(|| {
+        let stop_by = self.settings.stop_by;
+        let left = found.bound_to_stop_by(stop_by).filter(|left| *left <= worth && !speaks_against);
+        Ok(left.map(|left| {
             let response = &self.problem.response;
-            let than_enough = match found.certificate.bound > 0.0 {
+            let by = if stop_by == StopBy::Bound { "" } else { "by the surface alone, " };
+            let than_enough = match left > 0.0 {
                 true => format!("less than {} that would be worth another batch", response.the_amount(worth)),
                 false => format!("and a gain of {} would be worth another batch", response.amount(worth)),
             };
-            format!("with {}, {than_enough}", none_better(&self.problem, &found.certificate))
+            let promised = Certificate { bound: left, ..found.certificate };
+            format!("{by}with {}, {than_enough}", none_better(&self.problem, &promised))
         }))
     }
 }

@@ -7,6 +7,7 @@ use infuse::{
     Role,
     correction::Gain,
     global::{SpreadFallback, SurfaceKinds},
+    pooled::StopBy,
 };
 use serde::{Deserialize, Serialize};
 
@@ -246,5 +247,6 @@ pub(crate) enum ModelEntry {
 #[serde(deny_unknown_fields)]
 pub(crate) struct StopEntry {
     pub(crate) worth: Option<f64>,
+    pub(crate) by: Option<StopBy>,
     pub(crate) smooth: Option<bool>,
 }

@@ -18,7 +18,7 @@ use std::time::Duration;
 
 use design_space::Region;
 use infuse::Role;
-use infuse::pooled::LinearConstraint;
+use infuse::pooled::{LinearConstraint, StopBy};
 use serde_json::{Value, json};
 
 pub(crate) use constraints::{Held, linear_in_words};
@@ -55,6 +55,8 @@ pub(crate) struct Problem {
     pub(crate) rule: LoopEntry,
     /// The smallest improvement that another batch is worth, in the unit of the response.
     pub(crate) worth: Option<f64>,
+    /// What has to be no more than that for the campaign to end.
+    pub(crate) stop_by: Option<StopBy>,
     /// Whether it is known to have no narrow well.
     pub(crate) smooth: Option<bool>,
 }

@@ -110,6 +110,7 @@ impl Problem {
             sheets: file.sheets,
             rule: file.rule,
             worth,
+            stop_by: file.stop.by,
             smooth: file.stop.smooth,
         })
     }
@@ -201,7 +202,7 @@ const SECTIONS: [(&str, &[&str]); 7] = [
             "cost_unit",
         ],
     ),
-    ("under [stop]", &["worth", "smooth"]),
+    ("under [stop]", &["worth", "by", "smooth"]),
     ("under [response]", &["goal", "scale"]),
     ("under [simulator]", &["table", "command", "jobs", "input", "timeout_seconds"]),
     ("under [[constraint]]", &["probability"]),

@@ -2,6 +2,7 @@
 
 use design_space::Levels;
 use infuse::Role;
+use infuse::pooled::StopBy;
 
 use crate::journal::{JOURNAL, Journal};
 use crate::number::{count, plain, setting};
@@ -83,6 +84,9 @@ fn from_problem(problem: &Problem) -> Vec<Row> {
     }
     let worth = problem.worth.map_or_else(|| "not said".to_owned(), |worth| response.given(worth));
     rows.push(("least gain that another batch is worth", worth));
+    if let Some(StopBy::Surface) = problem.stop_by {
+        rows.push(("stops by", "the surface alone".to_owned()));
+    }
     rows
 }
 

@@ -1,5 +1,7 @@
 //! Campaigns of people who have no simulation: experiments alone tell.
 
+use serde_json::json;
+
 use crate::pooled::{ask, batch, best, rig_of, tell, wells, wobble};
 use crate::rig::Rig;
 
@@ -119,6 +121,49 @@ fn nothing_is_held_in_reserve_where_the_response_is_known_to_be_smooth() {
     let rig = rig_of(|a, b| wells(a, b, DEPTHS), "method = \"dissertation\"\n[stop]\nsmooth = true\n");
     let error = rig.infuse(&["check"]).error();
     assert!(error.contains("`smooth` belongs to `method` = \"pooled\""), "{error}");
+}
+
+/// Two batches are enough by what the surface alone says, and not by the bound; who stops by the first may think better of it.
+#[test]
+fn a_campaign_may_end_by_what_the_surface_alone_says() {
+    let rig = rig("[stop]\nworth = 10\n");
+    for _ in 0..2 {
+        assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))));
+    }
+    let by_the_bound = rig.status();
+    let number = |key: &str| by_the_bound[key].as_f64().unwrap();
+    assert!(number("bound") > 10.0 && number("bound_by_the_surface_alone") <= 10.0, "{by_the_bound}");
+    assert_eq!((&by_the_bound["stage"], &by_the_bound["stops_by"]), (&json!("ready"), &json!("bound")));
+    let status = rig.infuse(&["status"]).ok();
+    assert!(
+        status.contains("; by the surface alone, by more than ") && status.contains("The bound is more than the 10"),
+        "{status}"
+    );
+    let now = "By what the surface alone says it may end now: `by = \"surface\"` under [stop] does so, at the risk of";
+    let or_smooth = "write `smooth = true` under [stop], and it may end now; `by = \"surface\"` under [stop] ends it";
+    assert!(status.contains(now) || status.contains(or_smooth), "{status}");
+    rig.edit("worth = 10", "worth = 10\nby = \"surface\"");
+    let by_the_surface = rig.status();
+    assert_eq!((&by_the_surface["stage"], &by_the_surface["stops_by"]), (&json!("ended"), &json!("surface")));
+    assert_eq!((&by_the_surface["bound"], &by_the_surface["further_batches"]), (&by_the_bound["bound"], &json!(0)));
+    let status = rig.infuse(&["status"]).ok();
+    assert!(
+        status.contains("What the surface alone says, by which `by` in [stop] stops, is no more than the 10"),
+        "{status}"
+    );
+    assert!(status.contains("Ended: by the surface alone, with 90 % probability no design is better"), "{status}");
+    let checked = rig.infuse(&["check"]).ok();
+    assert!(checked.contains("The campaign does not wait for that: it stops by the surface alone"), "{checked}");
+    rig.edit("by = \"surface\"", "by = \"bound\"");
+    assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))), "it goes on");
+    rig.infuse(&["report"]).ok();
+    assert!(rig.read("report.html").contains("by the surface alone"), "the history has both");
+    rig.edit("by = \"bound\"", "by = \"surfaces\"");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("`by` is \"surfaces\", expected `bound` or `surface`"), "{error}");
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "method = \"dissertation\"\n[stop]\nby = \"surface\"\n");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("`by` belongs to `method` = \"pooled\""), "{error}");
 }
 
 #[test]

@@ -254,7 +254,7 @@ class Assessment:
     outliers: List[Outlier]
     """Readings that are far off, and those that are set aside."""
     further_batches: Optional[int]
-    """Batches until the certificate is expected to be as small as `worth`; none without `worth`, and beyond 100, where nothing can be foretold."""
+    """Batches until what the campaign stops by is expected to be as small as `worth`; none without `worth`, and beyond 100, where nothing can be foretold."""
     assembly: Optional[float] = None
     """Standard deviation of the error that all runs of a plant share, where plants are told apart."""
     own: Optional[float] = None
@@ -323,6 +323,7 @@ _SETTINGS = (
     "max_batches",
     "noise",
     "worth",
+    "stop_by",
     "smooth",
     "least",
     "confidence",
@@ -387,7 +388,8 @@ class PooledLoop:
     where it is dear, `simulations` limits how many there are per batch, and `due` says which. It may be displaced: right of
     another design than of the one it is asked for. How far is learnt, unless `displaced` is false.
     `noise` is the standard deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
-    recommended one by more than this, with the probability `confidence`. `smooth` says that the response surely has no
+    recommended one by more than this, with the probability `confidence`; with `stop_by="surface"` once the surface alone says so,
+    a batch or two earlier, and too early where the response has a narrow well that nobody has met. `smooth` says that the response surely has no
     narrow well, for which the certificate otherwise holds something in reserve, and `least` that no response can be less.
 
     With `constraints` further responses have to stay within bounds; a simulation then gives n rows, the response first and
@@ -420,6 +422,7 @@ class PooledLoop:
         max_batches: int = 10,
         noise: Optional[float] = None,
         worth: Optional[float] = None,
+        stop_by: str = "bound",
         smooth: bool = False,
         least: Optional[float] = None,
         confidence: float = 0.9,
@@ -437,6 +440,7 @@ class PooledLoop:
             "max_batches": max_batches,
             "noise": noise,
             "worth": worth,
+            "stop_by": stop_by,
             "smooth": smooth,
             "least": least,
             "confidence": confidence,

@@ -26,7 +26,7 @@ use crate::pooled::reason::{Pick, Reason};
 use crate::pooled::recommendation::{lowest_mean, possible};
 use crate::pooled::registration::Registration;
 use crate::pooled::run_means::RunMeans;
-use crate::pooled::settings::Settings;
+use crate::pooled::settings::{Settings, StopBy};
 use crate::pooled::shared::Shared;
 use crate::pooled::streams::{Purpose, stream};
 
@@ -214,7 +214,7 @@ pub struct Assessment {
     /// reading is a slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doubted: Option<Doubted>,
-    /// [Further batches](Forecast::further_batches) until the certificate is expected to be as small as the campaign's `worth`,
+    /// [Further batches](Forecast::further_batches) until what the campaign [stops by](Settings::stop_by) is expected to be as small as its `worth`,
     /// open ones among them: 0 if it is. None without `worth`, and where there is no forecast.
     pub further_batches: Option<u64>,
 }
@@ -226,6 +226,15 @@ impl Assessment {
     pub fn bound(&self) -> Option<f64> {
         let is_kept = self.recommended.suffices || self.recommended.constrained.is_empty();
         (self.needed.is_none() && is_kept).then_some(self.certificate.bound)
+    }
+
+    /// The same, as a campaign has it that [stops](Settings::stop_by) so.
+    #[must_use]
+    pub fn bound_to_stop_by(&self, stop_by: StopBy) -> Option<f64> {
+        self.bound().map(|bound| match stop_by {
+            StopBy::Bound => bound,
+            StopBy::Surface => self.forecast.by_the_surface(),
+        })
     }
 }
 
@@ -372,7 +381,10 @@ impl Look {
             recommended: recommended.widened(bands),
             further_batches: settings
                 .worth
-                .and_then(|worth| forecast.further_batches(worth))
+                .and_then(|worth| match settings.stop_by {
+                    StopBy::Bound => forecast.further_batches(worth),
+                    StopBy::Surface => forecast.further_batches_by_the_surface(worth),
+                })
                 .map(|batches| batches.max(u64::from(needed.is_some()))),
             certificate,
             forecast,

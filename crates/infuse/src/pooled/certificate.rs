@@ -165,6 +165,9 @@ pub struct Certificate {
 pub struct Forecast {
     /// The bound of what is drawn alone.
     pub drawn: f64,
+    /// The same as the surface has it: the [quantile](Certificate::quantile) of the certificate.
+    #[serde(default)]
+    pub believed: f64,
     /// What the readings differ by, times the share of designs that were never run; 0 where nothing of it is held in reserve.
     pub spread: f64,
     /// How much better than the recommended design a well may be of which a run found a part, or a design is that was measured and
@@ -215,6 +218,31 @@ impl Forecast {
         Some(self.batches_by_the_law(worth)).filter(|batches| *batches <= Self::MOST_BATCHES)
     }
 
+    /// The same until no more than `worth` is left [by the surface alone](Self::by_the_surface), taken to fall as the readings to the power of
+    /// 1.5.
+    #[must_use]
+    pub fn further_batches_by_the_surface(&self, worth: f64) -> Option<u64> {
+        let n = self.n_readings as f64;
+        let batches = match self.by_the_surface() <= worth {
+            true => 0,
+            false => {
+                let enough = match self.of_means {
+                    Some(_) => return self.further_batches(worth),
+                    None => n * (self.believed / worth).powf(1.0 / POWER_BELIEVED),
+                };
+                self.batches_from(enough)
+            }
+        };
+        Some(batches).filter(|batches| *batches <= Self::MOST_BATCHES)
+    }
+
+    /// How much better than the recommended design another may be, as the surface has it; as much as a find may hide, or as a measured design
+    /// is better by that contradicts the recommendation. No more than the bound.
+    #[must_use]
+    pub fn by_the_surface(&self) -> f64 {
+        self.believed.max(self.found).min(self.bound())
+    }
+
     /// By how much two designs have to differ for [as many batches](Self::MOST_BATCHES) to tell which is better, with 95 % probability, were
     /// all their runs of these two: less than that no campaign can find.
     #[must_use]
@@ -240,7 +268,12 @@ impl Forecast {
             }
             false => 0.0,
         };
-        let n_batches = (for_drawn.max(for_reserve) - n) / self.n_experiments.max(1) as f64;
+        self.batches_from(for_drawn.max(for_reserve))
+    }
+
+    /// Batches, one at least, until there are so many readings.
+    fn batches_from(&self, enough: f64) -> u64 {
+        let n_batches = (enough - self.n_readings as f64) / self.n_experiments.max(1) as f64;
         // Beyond all integers that is the largest; what was just enough may differ by the last bit.
         (n_batches - 1e-9).ceil().max(1.0) as u64
     }
@@ -303,6 +336,8 @@ fn at_most(enough: f64, n_designs: u64) -> usize {
 
 /// By this power of the readings what is drawn falls.
 const POWER: f64 = 2.5;
+/// By this power what the surface alone says.
+const POWER_BELIEVED: f64 = 1.5;
 
 /// What may be gained over the recommended design, drawn from all that is possible.
 #[derive(Debug, Clone)]
@@ -398,7 +433,7 @@ impl Draws {
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
         let forecast = self.forecast(probability, 0);
         let bound = forecast.bound();
-        Certificate { probability, bound, quantile: self.believed.quantile(probability).min(bound) }
+        Certificate { probability, bound, quantile: forecast.believed.min(bound) }
     }
 
     /// The bound of what is drawn alone; where the runs of each design say all there is, of these.
@@ -424,6 +459,7 @@ impl Draws {
         let of_means = self.run_means.as_ref().map(|run_means| run_means.of_means(probability));
         Forecast {
             drawn,
+            believed: self.believed.quantile(probability),
             spread,
             found,
             most,
@@ -653,6 +689,17 @@ mod tests {
             }
         }
 
+        /// By the surface alone no more is left than the bound has, and no less than it is sure of or than a find may hide; it is foretold that
+        /// nothing is to be waited for where that is enough, and sooner than for the bound where it is not.
+        #[test]
+        fn surface_alone_says_no_more_than_the_bound(draws in draws(), worth in 0.001..3.0_f64) {
+            let (certificate, forecast) = (draws.certificate(0.9), draws.forecast(0.9, 12));
+            let alone = forecast.by_the_surface();
+            prop_assert!(alone <= certificate.bound && alone >= certificate.quantile, "{:?} {:?}", certificate, forecast);
+            prop_assert!(alone >= forecast.found.min(certificate.bound), "{:?} {:?}", certificate, forecast);
+            prop_assert_eq!(alone <= worth, forecast.further_batches_by_the_surface(worth) == Some(0), "{:?} {:?}", certificate, forecast);
+        }
+
         /// What the certificate says and what its forecast starts from are the same.
         #[test]
         fn forecast_starts_from_the_certificate(draws in draws(), worth in 0.001..3.0_f64) {
@@ -745,6 +792,7 @@ mod tests {
     fn further_batches_are_as_many_as_it_takes() {
         let plain = Forecast {
             drawn: 0.0,
+            believed: 0.0,
             spread: 0.0,
             found: 0.0,
             most: None,
@@ -758,6 +806,13 @@ mod tests {
             n_parameters: 2,
             narrow: None,
         };
+        // By the power of 1.5: from 8 to 1 takes four times the readings.
+        let believed = Forecast { believed: 8.0, drawn: 9.0, ..plain };
+        assert_eq!(
+            [0.999, 1.0, 7.9, 8.0].map(|worth| believed.further_batches_by_the_surface(worth)),
+            [7, 6, 1, 0].map(Some)
+        );
+        assert_eq!(Forecast { drawn: 9.0, found: 8.5, ..believed }.further_batches_by_the_surface(8.0), Some(1));
         for (drawn, spread, worth, n, n_tried, of) in [
             (8.0, 0.0, 1.1, 10, 10, 10),
             (3.0, 0.0, 0.4, 36, 36, 12),

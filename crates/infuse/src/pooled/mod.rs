@@ -93,7 +93,7 @@ pub use certificate::{Certificate, Forecast};
 pub use constraint::{Constraint, LinearConstraint};
 pub use plants::Plants;
 pub use reason::Reason;
-pub use settings::Settings;
+pub use settings::{Settings, StopBy};
 pub use simulated::{Responses, Simulate};
 
 /// What an [`Assessment`] consists of.

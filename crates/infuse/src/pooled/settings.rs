@@ -35,6 +35,9 @@ pub struct Settings {
     /// goes; in the unit of the response. Default: it does not stop by itself.
     #[serde(default)]
     pub worth: Option<f64>,
+    /// What has to be no more than `worth` for that. Default the bound of the certificate.
+    #[serde(default, skip_serializing_if = "StopBy::is_bound")]
+    pub stop_by: StopBy,
     /// The response is known to have no narrow well: the certificate holds nothing in reserve for one. Default: that is not known.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub smooth: bool,
@@ -63,6 +66,26 @@ pub struct Settings {
     /// Everything random follows from this. Default 1.
     #[serde(default = "default_seed")]
     pub seed: u64,
+}
+
+/// By which of two numbers a campaign stops.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StopBy {
+    /// By the bound of the certificate, which allows for what so few experiments cannot have shown: seldom too early, and seldom before
+    /// twenty designs a parameter were run.
+    #[default]
+    Bound,
+    /// By what the surface alone says, and what a find may hide: a batch or two earlier, and too early where the response has a well that
+    /// neither a run nor the simulation has met. How often is in `docs/results-benchmark.md`.
+    Surface,
+}
+
+impl StopBy {
+    fn is_bound(&self) -> bool {
+        *self == Self::Bound
+    }
 }
 
 fn default_max_batches() -> usize {
@@ -104,6 +127,7 @@ impl Settings {
             max_batches: default_max_batches(),
             noise: None,
             worth: None,
+            stop_by: StopBy::Bound,
             smooth: false,
             least: None,
             confidence: default_confidence(),

@@ -52,7 +52,8 @@ impl Loop {
         // its lowest mean, and how much better another design may be.
         let look = Look::at(&mut knowledge, &readings, settings, batch)?;
         let Assessment { contradiction, .. } = &look.assessment;
-        let is_enough = |worth| contradiction.is_none() && look.assessment.bound().is_some_and(|bound| bound <= worth);
+        let left = look.assessment.bound_to_stop_by(settings.stop_by);
+        let is_enough = |worth| contradiction.is_none() && left.is_some_and(|left| left <= worth);
         if settings.worth.is_some_and(is_enough) {
             return Ok(Next::NotWorthIt);
         }

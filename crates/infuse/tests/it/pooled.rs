@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use design_space::{Cell, Grid, Parameter, Region};
-use infuse::pooled::{Ask, Assessment, Loop, Needed, Plants, Reason, Settings, Simulate, StopReason, Trial};
+use infuse::pooled::{Ask, Assessment, Loop, Needed, Plants, Reason, Settings, Simulate, StopBy, StopReason, Trial};
 use infuse::{Error, Outcome, TrialId};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -800,6 +800,29 @@ fn campaign_stops_when_the_certificate_is_small_enough() {
         }
     }
     assert!(stops >= 4, "{stops} of 5 campaigns stopped by themselves");
+}
+
+/// By what the surface alone says it stops sooner, and as the response is a bowl, not too early; what a find may hide it waits for.
+#[test]
+fn by_the_surface_alone_a_campaign_of_a_bowl_stops_sooner_and_not_too_early() {
+    for seed in 1..=5 {
+        let stopped = |stop_by: StopBy| {
+            let mut settings = batches(12, 8, seed);
+            (settings.worth, settings.stop_by) = (Some(0.05), stop_by);
+            let mut campaign = campaign(2, 21, settings);
+            let stop = campaign.run(&mut simulation, &mut noisy(seed, 0.02, truth)).expect("it ends");
+            (stop, campaign.batch(), assessed(&mut campaign))
+        };
+        let ((reason, n, found), (_, n_by_the_bound, _)) = (stopped(StopBy::Surface), stopped(StopBy::Bound));
+        assert_eq!(reason, StopReason::NotWorthIt, "seed {seed}");
+        assert!(n < n_by_the_bound, "seed {seed}: after {n} and {n_by_the_bound} batches");
+        assert!(
+            truth(&found.recommended.point) <= 0.05 && found.certificate.quantile <= 0.05,
+            "seed {seed}: {found:?}"
+        );
+        assert!(found.certificate.bound > 0.05 && found.find.is_none(), "seed {seed}: {found:?}");
+        assert_eq!(found.further_batches, Some(0), "seed {seed}");
+    }
 }
 
 /// Pending trials count as if they had come out as expected: the next ones go elsewhere than they would otherwise.

@@ -10,6 +10,7 @@ mod figure;
 mod methods;
 mod page;
 mod results;
+mod stopping;
 mod summary;
 mod task;
 

@@ -11,9 +11,10 @@ use super::families::{DECOYS, DISPLACED, FAMILIES, Family, names};
 use super::figure::{Curve, PICTURED, Regrets};
 use super::methods::{METHODS, UNTOLD};
 use super::results::{Fresh, PEERS, Results};
+use super::stopping::{self, Promise, stops};
 use super::summary::{
-    FLOOR, Forecasts, Paired, Promised, Stops, TELLING, forecasts, paired, paired_after, percent, promised, regret,
-    share_within, shared, stops, telling, typical,
+    FLOOR, Paired, Promised, TELLING, paired, paired_after, percent, promised, regret, share_within, shared, telling,
+    typical,
 };
 use super::task::{BATCHES, COMPARED_SEEDS, FRESH_SEEDS, SEEDS, fresh_families};
 use crate::first_screen::around;
@@ -23,10 +24,6 @@ const PAGE: &str = "docs/results-benchmark.md";
 const PICTURE: &str = "docs/results-benchmark.svg";
 /// A design that is worse than the best by no more than this share of the range is called close.
 const CLOSE: f64 = 0.01;
-/// What another batch is worth where it is asked when a campaign would stop, of the range of the truth.
-const WORTH: f64 = 0.02;
-/// The same where it is asked how many batches that takes.
-const WORTHS: [f64; 3] = [WORTH, 0.05, 0.1];
 /// Families on which the pooled loop was chosen. The others were not looked at for that.
 const TUNED_ON: [&str; 8] =
     ["bowl-2", "stall-2", "wells-2", "hidden-2", "cliff-2", "bowl-noisy", "rough-useless", "hidden-4"];
@@ -231,7 +228,7 @@ fn misled(fresh: &Fresh) -> String {
          stop if another batch has to be worth {} % of the range.\n\n",
         FRESH_SEEDS.start(),
         FRESH_SEEDS.end(),
-        100.0 * WORTH
+        100.0 * stopping::WORTH
     );
     text += &misled_certificates(&fresh.ours).markdown();
     text
@@ -275,29 +272,7 @@ fn promises(ours: &Results, fresh: &Fresh, untold: Option<&Results>) -> String {
     for kind in kinds(ours, fresh, untold) {
         text += &format!("\n{}:\n\n{}", kind.words, bands::table(&kind).markdown());
     }
-    text += &format!(
-        "\n## Stopping\n\nIf another batch has to be worth {} % of the range: campaigns that stop within {BATCHES} batches, those of them \
-         that stop with more than that missing (too early), those that missed no more a batch before already (late), the mean number of \
-         batches until the stop, and the campaigns that go on to the end although no more is missing then.\n\n",
-        100.0 * WORTH
-    );
-    text += &stops_table(ours).markdown();
-    text += &format!(
-        "\n### How many more batches it expects\n\nWhat is drawn from the surface is taken to fall as the number of experiments to the power of \
-         2.5, near what it did in the median of these campaigns; what is held in reserve until twenty designs a parameter were run falls as it is \
-         defined, with as many repeats as there were. Forecasts of how many batches it takes until the \
-         bound is at most {}, {} or {} % of the range, of which the end is known: right, off by one batch, too few by two or more (those \
-         among them that should have come true and had not by the end), too many by two or more. Forecasts beyond batch {BATCHES} that had not \
-         come true by then are left out. On campaigns on which nothing was chosen: \
-         `{}`, seeds {} to {}.\n\n",
-        100.0 * WORTHS[0],
-        100.0 * WORTHS[1],
-        100.0 * WORTHS[2],
-        fresh_families().map(|family| family.name).collect::<Vec<_>>().join("`, `"),
-        FRESH_SEEDS.start(),
-        FRESH_SEEDS.end()
-    );
-    text += &forecasts_table(ours, &fresh.ours).markdown();
+    text += &stopping::section(ours, fresh, untold);
     text
 }
 
@@ -344,7 +319,7 @@ fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Fresh) -> Vec<Finding>
     findings.push(bands::finding(&kinds(ours, fresh, untold.map(|untold| untold.results))));
     findings.push(what_it_costs_to_be_misled(fresh));
     findings.push(displaced_page::finding(&fresh.displaced));
-    findings.push(when_it_stops(ours));
+    findings.push(stopping::finding(ours, fresh));
     findings.push(tuned_on(&tuned, others.len()));
     findings
 }
@@ -461,24 +436,6 @@ fn as_close<'a>(head: &str, methods: impl Iterator<Item = &'a Kept<'a>>, ours: &
         Finding::new(format!("{}: {} of {} ({}).", capitalized(method.words), both(1), late.campaigns, both(0)))
     };
     methods.map(clause).fold(Finding::new(head), Finding::detail)
-}
-
-/// When campaigns stop that ask what another batch is worth.
-fn when_it_stops(ours: &Results) -> Finding {
-    let all = FAMILIES.iter().map(|family| stops(ours, family, WORTH)).fold(Stops::default(), Stops::and);
-    let head = Finding::new(format!(
-        "If another batch has to be worth {} % of the range, {} of {} campaigns stop within {BATCHES} batches, after {:.1} in the mean:",
-        100.0 * WORTH,
-        all.stopped,
-        all.campaigns,
-        all.batches as f64 / all.stopped.max(1) as f64
-    ));
-    let details = [
-        format!("{} of them too early, with more than that missing.", all.too_early),
-        format!("{} at least a batch later than an oracle would.", all.late),
-        format!("Of the others {} had come as close without knowing it.", all.unaware),
-    ];
-    head.with_sentences(details)
 }
 
 /// On which campaigns something was chosen.
@@ -609,7 +566,7 @@ fn on_fresh_seeds(fresh: &Results) -> Finding {
     );
     let detail = |family: &'static Family| {
         let each = by_batch(fresh, family)?;
-        let stopping = stops(fresh, family, WORTH);
+        let stopping = stops(fresh, family, Promise::Bound);
         let stop = match stopping.stopped {
             0 => "no campaign stops".to_owned(),
             stopped => format!("{} of {stopped} campaigns that stop do so too early", stopping.too_early),
@@ -649,7 +606,7 @@ fn misled_certificates(fresh: &Results) -> Table {
     for family in fresh_families() {
         let Some(each) = by_batch(fresh, family) else { continue };
         let list = |of: &dyn Fn(&Promised) -> String| each.iter().map(of).collect::<Vec<_>>().join(", ");
-        let stopping = stops(fresh, family, WORTH);
+        let stopping = stops(fresh, family, Promise::Bound);
         table.push(vec![
             family.name.to_owned(),
             family.words().to_owned(),
@@ -825,48 +782,6 @@ fn certificate_table(ours: &Results, of: impl Fn(Promised) -> Option<(usize, f64
         row.extend((1..=BATCHES).map(|batch| cell(batch).unwrap_or("–".to_owned())));
         table.push(row);
     }
-    table
-}
-
-fn forecasts_table(ours: &Results, fresh: &Results) -> Table {
-    let heads = ["campaigns", "after batch", "forecasts", "right, %", "off by one, %", "too few, %", "too many, %"];
-    let mut table = Table::new(heads.map(Column::words).to_vec());
-    let fresh_ones: Vec<&Family> = fresh_families().collect();
-    for (name, results, families) in
-        [("all families", ours, FAMILIES.iter().collect()), ("nothing chosen", fresh, fresh_ones)]
-    {
-        for after in 1..BATCHES {
-            let of_each = WORTHS.map(|worth| forecasts(results, families.iter().copied(), after, worth));
-            let sum = |of: fn(&Forecasts) -> usize| of_each.iter().map(of).sum::<usize>();
-            let known = sum(|one| one.known);
-            let share = |n: usize| format!("{:.0}", 100.0 * n as f64 / known.max(1) as f64);
-            let shares =
-                [sum(|one| one.right), sum(|one| one.off_by_one), sum(|one| one.too_few), sum(|one| one.too_many)];
-            let head = [name.to_owned(), after.to_string(), known.to_string()];
-            table.push([&head[..], &shares.map(share)].concat());
-        }
-    }
-    table
-}
-
-fn stops_table(ours: &Results) -> Table {
-    let heads = ["family", "campaigns", "stopped", "too early", "late", "batches", "close, not stopped"];
-    let mut table = Table::new(heads.map(Column::words).to_vec());
-    let mut push = |name: &str, stops: Stops| {
-        let batches = match stops.stopped {
-            0 => "–".to_owned(),
-            stopped => format!("{:.1}", stops.batches as f64 / stopped as f64),
-        };
-        let counts = [stops.campaigns, stops.stopped, stops.too_early, stops.late].map(|count| count.to_string());
-        table.push([&[name.to_owned()][..], &counts, &[batches, stops.unaware.to_string()]].concat());
-    };
-    let mut all = Stops::default();
-    for family in &FAMILIES {
-        let of_family = stops(ours, family, WORTH);
-        push(family.name, of_family);
-        all = all.and(of_family);
-    }
-    push("all", all);
     table
 }
 

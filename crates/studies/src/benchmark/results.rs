@@ -78,6 +78,7 @@ impl Row {
         let (most, of_means) = (None, None);
         Some(Forecast {
             drawn,
+            believed: self.quantile.unwrap_or(drawn),
             spread,
             found,
             most,

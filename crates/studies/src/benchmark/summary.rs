@@ -154,102 +154,6 @@ pub(super) fn telling(results: &Results, family: &Family) -> [usize; 2] {
     promised.fold([0, 0], |[n, broken], (regret, bound)| [n + 1, broken + usize::from(is_broken(regret, bound))])
 }
 
-/// Campaigns that would have stopped when the promise was at most `worth`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Stops {
-    pub(super) campaigns: usize,
-    pub(super) stopped: usize,
-    /// Of these, more was missing than `worth`.
-    pub(super) too_early: usize,
-    /// Of these, no more was missing than `worth` from a batch before the stop on.
-    pub(super) late: usize,
-    /// Campaigns that did not stop, and at the end missed no more than `worth`.
-    pub(super) unaware: usize,
-    /// Batches until the stop, sum over those that stopped.
-    pub(super) batches: usize,
-}
-
-impl Stops {
-    pub(super) fn and(self, other: Self) -> Self {
-        Self {
-            campaigns: self.campaigns + other.campaigns,
-            stopped: self.stopped + other.stopped,
-            too_early: self.too_early + other.too_early,
-            late: self.late + other.late,
-            unaware: self.unaware + other.unaware,
-            batches: self.batches + other.batches,
-        }
-    }
-}
-
-pub(super) fn stops(results: &Results, family: &Family, worth: f64) -> Stops {
-    let mut stops = Stops::default();
-    for first in rows_of(results, family, 1) {
-        let rows = results.of(family.name, first.seed);
-        let Some(last) = rows.last() else { continue };
-        stops.campaigns += 1;
-        match rows.iter().find(|row| row.bound.is_some_and(|bound| bound <= worth)) {
-            Some(stop) => {
-                let before = rows.iter().find(|row| row.batch + 1 == stop.batch);
-                stops.stopped += 1;
-                stops.too_early += usize::from(stop.regret > worth);
-                stops.late += usize::from(before.is_some_and(|row| row.regret.max(stop.regret) <= worth));
-                stops.batches += stop.batch;
-            }
-            None => stops.unaware += usize::from(last.regret <= worth),
-        }
-    }
-    stops
-}
-
-/// How many further batches were expected until the promise was at most what another one is worth, and how many it took.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Forecasts {
-    /// Those of which it is known: the campaign came to it, or was not there yet when it was to be.
-    pub(super) known: usize,
-    pub(super) right: usize,
-    /// Of the others, by one batch.
-    pub(super) off_by_one: usize,
-    /// By two or more, and those of which it is only known that they were too low.
-    pub(super) too_few: usize,
-    /// By two or more.
-    pub(super) too_many: usize,
-}
-
-/// Those of all campaigns of some families, made after a batch.
-pub(super) fn forecasts<'a>(
-    results: &Results,
-    families: impl Iterator<Item = &'a Family>,
-    after: usize,
-    worth: f64,
-) -> Forecasts {
-    let mut found = Forecasts::default();
-    for family in families {
-        for row in rows_of(results, family, after) {
-            let Some(forecast) = row.forecast(family) else { continue };
-            // Where there is no forecast, it is beyond the end.
-            let expected = forecast.further_batches(worth).map_or(usize::MAX, |batches| batches as usize);
-            if expected == 0 {
-                continue;
-            }
-            let rows = results.of(family.name, row.seed);
-            let enough = |row: &&Row| row.batch > after && row.bound.is_some_and(|bound| bound <= worth);
-            let took = rows.iter().filter(enough).map(|row| row.batch - after).min();
-            let last = rows.iter().map(|row| row.batch - after.min(row.batch)).max().unwrap_or(0);
-            match took {
-                None if expected > last => continue,
-                None => found.too_few += 1,
-                Some(took) if took == expected => found.right += 1,
-                Some(took) if took.abs_diff(expected) == 1 => found.off_by_one += 1,
-                Some(took) if took > expected => found.too_few += 1,
-                Some(_) => found.too_many += 1,
-            }
-            found.known += 1;
-        }
-    }
-    found
-}
-
 /// After each batch, in percent, the geometric mean over families of the mean regret over the seeds, the floor added to each; none where a
 /// campaign is missing.
 pub(super) fn typical(results: &Results, families: &[&Family], seeds: &RangeInclusive<u64>) -> Option<Vec<f64>> {
@@ -293,36 +197,6 @@ mod tests {
             }
         }
         Ok(results)
-    }
-
-    #[test]
-    fn stops_are_in_time_too_early_late_or_missing() -> anyhow::Result<()> {
-        let results = method(&[
-            &[(0.1, 0.3), (0.01, 0.02), (0.0, 0.01)],
-            &[(0.1, 0.3), (0.03, 0.02), (0.0, 0.01)],
-            &[(0.01, 0.3), (0.01, 0.1), (0.0, 0.01)],
-            &[(0.1, 0.3), (0.1, 0.2), (0.0, 0.1)],
-        ])?;
-        let found = stops(&results, &FAMILIES[0], 0.02);
-        let expected = Stops { campaigns: 4, stopped: 3, too_early: 1, late: 1, unaware: 1, batches: 7 };
-        assert_eq!(found, expected);
-        Ok(())
-    }
-
-    /// By the power of 2.5, from 8 % to 2 % after one batch takes one more, from 50 % three.
-    #[test]
-    fn forecasts_are_right_too_low_or_too_high() -> anyhow::Result<()> {
-        let results = method(&[
-            &[(0.0, 0.08), (0.0, 0.02), (0.0, 0.01)],
-            &[(0.0, 0.08), (0.0, 0.03), (0.0, 0.02)],
-            &[(0.0, 0.08), (0.0, 0.04), (0.0, 0.03)],
-            &[(0.0, 0.5), (0.0, 0.02), (0.0, 0.01)],
-            &[(0.0, 0.5), (0.0, 0.4), (0.0, 0.3)],
-            &[(0.0, 0.01), (0.0, 0.01), (0.0, 0.01)],
-        ])?;
-        let found = forecasts(&results, FAMILIES.iter(), 1, 0.02);
-        assert_eq!(found, Forecasts { known: 4, right: 1, off_by_one: 1, too_few: 1, too_many: 1 });
-        Ok(())
     }
 
     #[test]

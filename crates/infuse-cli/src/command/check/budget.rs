@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use design_space::{Cell, Grid, Levels, Parameter};
+use infuse::pooled::StopBy;
 use page::Finding;
 use serde_json::{Value, json};
 
@@ -142,8 +143,11 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Pr
         _ => "more than the campaign has".to_owned(),
     };
     let out_of_reach = match problem.worth {
+        Some(_) if problem.stop_by == Some(StopBy::Surface) => {
+            " The campaign does not wait for that: it stops by the surface alone, as `by` in [stop] says."
+        }
         Some(_) if needed > *batches => {
-            " So `worth` may never be met: raise `batches` in [loop], or set `smooth` if it is so."
+            " So `worth` may never be met: raise `batches` in [loop], set `smooth` if it is so, or stop by the surface alone (`by` = \"surface\")."
         }
         _ => "",
     };

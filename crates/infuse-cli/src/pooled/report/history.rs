@@ -60,7 +60,7 @@ pub(super) fn write_charts(page: &mut Page, campaign: &Campaign) {
     let caption = format!(
         "Left: what is expected of the recommended design after each batch, with its band of 90 %, and the best that was \
          measured in the batch. Middle: no design is better than the recommended one by more than the bound, with the \
-         probability of the certificate.{worth} Right: the share of all designs that may still be the best. Below: \
+         probability of the certificate; beside it what the surface alone says.{worth} Right: the share of all designs that may still be the best. Below: \
          every experiment of the campaign, and the best so far{kept}.{below}"
     );
     page.charts(&charts, &[], &caption);
@@ -117,8 +117,10 @@ fn bound(campaign: &Campaign) -> Chart {
     let response = &campaign.problem.response;
     let bound = |known: &Assessed| Some((batch(known), response.of_difference(known.bound?)));
     let bounds: Line = campaign.history.values().filter_map(bound).collect();
+    let alone = |known: &Assessed| Some((batch(known), response.of_difference(known.alone?)));
+    let alone: Line = campaign.history.values().filter_map(alone).collect();
     let worth = campaign.settings.worth.map(|worth| response.of_difference(worth));
-    let values = || bounds.iter().map(|point| point.1).chain(worth);
+    let values = || bounds.iter().chain(&alone).map(|point| point.1).chain(worth);
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
     let y = match response.scale {
         Scale::Linear if least > 0.0 && most > MANY * least => Axis::new("bound", &response.unit).in_decades(values()),
@@ -130,8 +132,15 @@ fn bound(campaign: &Campaign) -> Chart {
         let ends = [(0.5, worth), (campaign.batches.len().max(1) as f64 + 0.5, worth)];
         chart.line(&ends, Stroke::Dashes, VERMILION);
     }
+    chart.line(&alone, Stroke::Solid, INK);
+    for &point in &alone {
+        chart.mark(point, Mark::Ring, INK);
+    }
     draw(&mut chart, &bounds);
     chart.key(Key::new("bound").line(Stroke::Solid, BLUE).mark(Mark::Dot, BLUE));
+    if !alone.is_empty() {
+        chart.key(Key::new("by the surface alone").line(Stroke::Solid, INK).mark(Mark::Ring, INK));
+    }
     if worth.is_some() {
         chart.key(Key::new("worth").line(Stroke::Dashes, VERMILION));
     }
@@ -219,7 +228,7 @@ fn write_table(page: &mut Page, campaign: &Campaign, of_batches: &BTreeMap<usize
         _ => (table(campaign, of_batches), String::new()),
     };
     let caption = format!(
-        "What was known after each batch. Bound: no design is better by more{with}. Left: the share of designs that may still \
+        "What was known after each batch. Bound: no design is better by more{with}; by the surface: the same as the surface alone has it. Left: the share of designs that may still \
          be the best. Noise: standard deviation of one run, as the surface has it. Best measured: in the batch.{}",
         match campaign.problem.response.scale {
             Scale::Linear => "",
@@ -240,6 +249,7 @@ fn table(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Table {
             short(known.expected),
             half(known).map_or_else(|| NOTHING.to_owned(), difference),
             known.bound.map_or_else(|| NOTHING.to_owned(), difference),
+            known.alone.map_or_else(|| NOTHING.to_owned(), difference),
             percent(known.probability),
             percent(known.left),
             difference(known.noise),
@@ -253,6 +263,7 @@ fn table(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Table {
             Column::number("expected", unit),
             Column::number(response.band_heading(), of_differences),
             Column::number("bound", of_differences),
+            Column::number("by the surface", of_differences),
             Column::number("probability", ""),
             Column::number("left", ""),
             Column::number("noise", of_differences),
