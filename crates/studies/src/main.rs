@@ -223,6 +223,9 @@ fn of_benchmark(words: &[&str]) -> Option<Work> {
         ["benchmark", "--constrained"] => Box::new(benchmark::constrained_run::run),
         ["benchmark", "--constrained", "--page"] => Box::new(benchmark::constrained_run::write_page),
         ["benchmark", "--constrained", "--check"] => Box::new(benchmark::constrained_run::check),
+        ["benchmark", "--drift"] => Box::new(benchmark::drift_run::run),
+        ["benchmark", "--drift", "--page"] => Box::new(benchmark::drift_run::write_page),
+        ["benchmark", "--drift", "--check"] => Box::new(benchmark::drift_run::check),
         ["benchmark", "--serve", family, seed] => {
             let [family, seed] = [family, seed].map(|word| (*word).to_owned());
             Box::new(move |_| benchmark::serve(&family, &seed))

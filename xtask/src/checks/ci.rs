@@ -45,6 +45,7 @@ const STUDIES: &[&[&str]] = &[
     &["doe-records", "--check"],
     &["reproduce-all", "--ensemble", "--check"],
     &["benchmark", "--constrained", "--check"],
+    &["benchmark", "--drift", "--check"],
     &["plants", "--check"],
     &["identify", "--check"],
 ];

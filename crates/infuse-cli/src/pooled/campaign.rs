@@ -499,7 +499,35 @@ impl Campaign {
 
     /// What all runs of equal settings tell of the noise.
     pub(super) fn repeats(&self) -> Option<PureError> {
-        PureError::of_readings(self.runs())
+        PureError::of_readings(self.runs_to_compare())
+    }
+
+    /// The readings of the loop in its order, each with its settings and its cost. Where runs of a batch share an error, those of another batch
+    /// are no repeats: what they are of stands behind the settings.
+    pub(super) fn runs_to_compare(&self) -> Vec<(Vec<f64>, f64)> {
+        let readings = self.readings();
+        let firsts = self.experiments.readings.values().filter_map(|reading| reading.first.as_ref()?.value());
+        let n_before = readings.len() - firsts.count();
+        let run = |(at, (origin, cost)): (usize, (Origin, f64))| {
+            let mut settings = self.settings_of(origin);
+            if self.settings.blocks {
+                settings.extend(self.block_of(origin, (at < n_before).then_some(at)));
+            }
+            (settings, cost)
+        };
+        readings.into_iter().enumerate().map(run).collect()
+    }
+
+    /// Two numbers that runs of one batch, or of one source, share; of a `further` run, which has this number, nobody knows the day.
+    fn block_of(&self, origin: Origin, further: Option<usize>) -> [f64; 2] {
+        match (origin, further) {
+            (Origin::Imported(index), _) => {
+                let source = &self.imported[index].source;
+                [0.0, self.imported.iter().position(|other| other.source == *source).unwrap_or(index) as f64]
+            }
+            (Origin::Own(id), None) => [1.0, self.experiments.trial(id).map_or(0, |trial| trial.batch) as f64],
+            (Origin::Own(_), Some(at)) => [2.0, at as f64],
+        }
     }
 
     /// All runs that gave a value: their settings, as they were made, and their cost.

@@ -10,6 +10,7 @@ use super::bands::{IGNORED, NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure, unlikely_to_keep};
 use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::displaced;
+use super::drift;
 use super::failures::{FailedSimulations, where_runs_fail};
 use super::given_noise::contradiction;
 use super::risen::risen;
@@ -48,6 +49,7 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
             .chain(FailedSimulations::of(campaign)?.in_words(campaign))
             .chain([noise(campaign, found)])
             .chain(where_runs_fail(campaign))
+            .chain(drift::shared(campaign, found))
             .chain(plants(campaign, found))
             .collect(),
     ])

@@ -80,8 +80,8 @@ fn n_repeated(runs: &[(Vec<f64>, f64)]) -> usize {
 /// What repeats say against the noise of the response. A run that is set aside is a slip, and says nothing of it.
 pub(super) fn contradiction(campaign: &Campaign, found: &Assessment) -> Option<Contradiction> {
     let is_set_aside = |at: usize| found.outliers.iter().any(|outlier| outlier.set_aside && outlier.reading == at);
-    let counted = campaign.readings().into_iter().enumerate().filter(|(at, _)| !is_set_aside(*at));
-    let runs: Vec<_> = counted.map(|(_, (origin, cost))| (campaign.settings_of(origin), cost)).collect();
+    let counted = campaign.runs_to_compare().into_iter().enumerate().filter(|(at, _)| !is_set_aside(*at));
+    let runs: Vec<_> = counted.map(|(_, run)| run).collect();
     Contradiction::of(campaign.settings.noise, &runs)
 }
 

@@ -18,7 +18,7 @@ use super::findings::{closed, known, lesson, none_better, promised, recommendati
 use super::given_noise::contradiction;
 use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
-use super::{confirm, displaced, hand_out, report, what_if};
+use super::{confirm, displaced, drift, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
 use crate::findings::all_batches_made;
 use crate::journal::{Event, Journal, Submitted, Writer};
@@ -163,6 +163,10 @@ impl campaign::Campaign for Campaign {
                 "id": id, "value": response.of_cost(best.cost), "runs": best.n_runs, "settings": problem.named(&best.settings),
             })
         });
+        let (of_batches, of_plants) = match self.settings.plants {
+            Some(_) => (None, found.assembly),
+            None => (found.assembly, None),
+        };
         let bound = promised(self, &found).map(|bound| response.of_difference(bound));
         let json = json!({
             "batches": batches.collect::<Vec<_>>(),
@@ -190,7 +194,9 @@ impl campaign::Campaign for Campaign {
             }),
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
-            "shared_error_of_a_plant": found.assembly.map(|shared| response.of_difference(shared)),
+            "shared_error_of_a_batch": of_batches.map(|shared| response.of_difference(shared)),
+            "drift": drift::as_json(self, &found),
+            "shared_error_of_a_plant": of_plants.map(|shared| response.of_difference(shared)),
             "own_of_a_plant": found.own.map(|own| response.of_difference(own)),
             "keeps_to_the_constraints": found.recommended.suffices,
             "simulation": found.simulation,

@@ -7,6 +7,7 @@ mod buildable;
 mod campaign;
 mod confirm;
 mod displaced;
+mod drift;
 mod dry;
 mod failures;
 mod findings;

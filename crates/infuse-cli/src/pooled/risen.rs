@@ -20,7 +20,8 @@ const OTHER: f64 = 1.1;
 /// So many reasons are said.
 const MOST_SAID: usize = 3;
 /// Settings of the loop that the bound hangs on, but for the bounds of the response.
-const MATTER: [&str; 7] = ["confidence", "noise", "smooth", "displaced", "constraints", "linear_constraints", "plants"];
+const MATTER: [&str; 8] =
+    ["confidence", "noise", "smooth", "displaced", "blocks", "constraints", "linear_constraints", "plants"];
 
 /// That the bound was narrower a batch ago, and why.
 pub(super) fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {

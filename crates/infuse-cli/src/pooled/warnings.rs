@@ -9,6 +9,7 @@ use page::Finding;
 
 use super::bands::resolution;
 use super::campaign::{Campaign, Origin};
+use super::drift;
 use super::given_noise::{too_large, too_small};
 use crate::campaign::{Campaign as _, Imported};
 use crate::findings::there_twice;
@@ -45,6 +46,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     warnings.extend(set_aside(campaign, found));
     warnings.extend(beyond_the_bounds(campaign));
     warnings.extend(another_unit(campaign));
+    warnings.extend(drift::warning(campaign, found));
     warnings.extend(at_an_end(campaign));
     warnings.extend(too_large(campaign, found));
     warnings.extend(all_equal(campaign));

@@ -207,10 +207,12 @@ pub(crate) struct LoopEntry {
     pub(crate) simulations: Option<SimulationsEntry>,
     pub(crate) batches: Option<usize>,
     pub(crate) confidence: Option<f64>,
-    /// Of the pooled loop alone, as the next four.
+    /// Of the pooled loop alone, as the next five.
     pub(crate) noise: Option<f64>,
     /// Whether the simulation may be right of another design.
     pub(crate) displaced: Option<bool>,
+    /// Whether runs of a batch share an error.
+    pub(crate) blocks: Option<bool>,
     /// Plants in a batch, at most.
     pub(crate) plants: Option<usize>,
     /// In the unit of the costs of changes.

@@ -197,6 +197,7 @@ const SECTIONS: [(&str, &[&str]); 7] = [
             "confidence",
             "noise",
             "displaced",
+            "blocks",
             "plants",
             "experiment_cost",
             "cost_unit",

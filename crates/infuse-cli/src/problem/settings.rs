@@ -22,6 +22,7 @@ impl Problem {
             ("change_cost", self.costs.is_some()),
             ("experiment_cost", self.rule.experiment_cost.is_some()),
             ("cost_unit", self.rule.cost_unit.is_some()),
+            ("blocks", self.rule.blocks.is_some()),
             ("by", self.stop_by.is_some()),
             ("smooth", self.smooth.is_some()),
             ("scale", !self.response.scale.is_linear()),
@@ -67,6 +68,7 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.max_batches = entry.batches.unwrap_or(settings.max_batches);
     settings.confidence = entry.confidence.unwrap_or(settings.confidence);
     settings.noise = entry.noise.map(|noise| noise_of_costs(&problem.response, noise)).transpose()?;
+    settings.blocks = entry.blocks.unwrap_or(false);
     settings.displaced = entry.displaced.unwrap_or(settings.displaced);
     settings.worth = problem.worth.map(|worth| problem.response.difference(worth));
     settings.stop_by = problem.stop_by.unwrap_or_default();

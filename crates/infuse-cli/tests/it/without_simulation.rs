@@ -166,6 +166,39 @@ fn a_campaign_may_end_by_what_the_surface_alone_says() {
     assert!(error.contains("`by` belongs to `method` = \"pooled\""), "{error}");
 }
 
+/// What is measured is higher in the second batch and lower in the third, by far more than the noise.
+#[test]
+fn a_rig_that_drifts_is_said_and_allowed_for() {
+    let rig = rig("");
+    for shift in [0.0, 12.0, -12.0] {
+        assert!(batch(&rig, |a, b, id| Ok(50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id) + shift)));
+    }
+    let status = rig.infuse(&["status"]).ok();
+    let said = "Careful: runs of one batch read alike, beyond what their settings explain: batch 1 ";
+    assert!(status.contains(said) && status.contains("`blocks = true` in [loop] allows for it"), "{status}");
+    let json = rig.status();
+    assert_eq!(json["drift"]["is_sure"], true, "{json}");
+    let by = |at: usize| json["drift"]["shifts"][at]["by"].as_f64().unwrap();
+    assert!(by(1) - by(0) > 6.0 && by(0) - by(2) > 6.0, "{}", json["drift"]);
+    rig.edit("[loop]", "[loop]\nblocks = true");
+    let json = rig.status();
+    assert!(json["drift"].is_null() && json["shared_error_of_a_batch"].as_f64().unwrap() > 4.0, "{json}");
+    let status = rig.infuse(&["status"]).ok();
+    assert!(
+        status.contains("share an error, as `blocks` in [loop] says") && !status.contains("read alike"),
+        "{status}"
+    );
+    assert!(batch(&rig, |a, b, id| Ok(50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id))));
+    let log = rig.infuse(&["log"]).ok();
+    assert!(log.contains("campaign.toml: `blocks` was not set and is true."), "{log}");
+    rig.edit("blocks = true", "blocks = \"yes\"");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("`blocks` is \"yes\", expected true or false"), "{error}");
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "blocks = true\nmethod = \"dissertation\"\n");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("`blocks` belongs to `method` = \"pooled\""), "{error}");
+}
+
 #[test]
 fn what_needs_a_simulation_says_so() {
     let rig = rig("simulations = 30\n");

@@ -234,6 +234,32 @@ class Registration:
 
 
 @dataclass(frozen=True)
+class Shift:
+    """By how much the runs of a batch, or of a source of earlier experiments, read above what is expected of their settings, in the mean."""
+
+    batch: Optional[int]
+    """The batch; none where they were added as earlier experiments."""
+    source: Optional[str]
+    """Where earlier experiments come from."""
+    n_readings: int
+    """How many of them gave a response."""
+    by: float
+    """In the unit of the response."""
+
+
+@dataclass(frozen=True)
+class Drift:
+    """What the readings say of runs of a batch that read otherwise than those of others, sure or not."""
+
+    gain: float
+    """The logarithm of how many times more probable the readings are if batches share an error; from 4 on it is believed."""
+    deviation: float
+    """Standard deviation of that error."""
+    shifts: List[Shift]
+    """Of each batch and source."""
+
+
+@dataclass(frozen=True)
 class Assessment:
     """What the experiments so far come to."""
 
@@ -275,6 +301,8 @@ class Assessment:
     """How far the simulation is displaced, by parameter: an experiment gives what it says of a design so much farther on. None if it is not."""
     registration: Optional[Registration] = None
     """What the readings tell of that, sure or not."""
+    drift: Optional[Drift] = None
+    """Whether the rig drifts from batch to batch, as far as the readings tell; none where `blocks` allows for it."""
     find: Optional[Settings] = None
     """The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet."""
 
@@ -283,6 +311,15 @@ def _of(kind: Type[T], entry: Dict[str, Any], **others: Any) -> T:
     """A dataclass from the entries that it knows."""
     fields = {field.name for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     return kind(**{**{key: value for key, value in entry.items() if key in fields}, **others})
+
+
+def _drift(entry: Optional[Dict[str, Any]]) -> Optional[Drift]:
+    if entry is None:
+        return None
+    shifts = [
+        Shift(one["block"].get("batch"), one["block"].get("source"), one["n_readings"], one["by"]) for one in entry["shifts"]
+    ]
+    return Drift(entry["gain"], entry["deviation"], shifts)
 
 
 def _constrained(entry: Dict[str, Any]) -> Constrained:
@@ -320,6 +357,7 @@ _SETTINGS = (
     "n_experiments",
     "simulations",
     "displaced",
+    "blocks",
     "max_batches",
     "noise",
     "worth",
@@ -386,7 +424,8 @@ class PooledLoop:
 
     A response is to be made small. `n_experiments` is the size of a batch. The simulation is run wherever it is needed;
     where it is dear, `simulations` limits how many there are per batch, and `due` says which. It may be displaced: right of
-    another design than of the one it is asked for. How far is learnt, unless `displaced` is false.
+    another design than of the one it is asked for. How far is learnt, unless `displaced` is false. With `blocks` runs of a batch
+    share an error, as where a rig drifts from day to day.
     `noise` is the standard deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
     recommended one by more than this, with the probability `confidence`; with `stop_by="surface"` once the surface alone says so,
     a batch or two earlier, and too early where the response has a narrow well that nobody has met. `smooth` says that the response surely has no
@@ -419,6 +458,7 @@ class PooledLoop:
         *,
         simulations: Optional[int] = None,
         displaced: bool = True,
+        blocks: bool = False,
         max_batches: int = 10,
         noise: Optional[float] = None,
         worth: Optional[float] = None,
@@ -437,6 +477,7 @@ class PooledLoop:
             "n_experiments": n_experiments,
             "simulations": simulations,
             "displaced": displaced,
+            "blocks": blocks,
             "max_batches": max_batches,
             "noise": noise,
             "worth": worth,
@@ -738,6 +779,7 @@ class PooledLoop:
             find=named(self._names, found["find"]) if "find" in found else None,
             displacement=self._displacement(found.get("displacement")),
             registration=self._registration(found.get("registration")),
+            drift=_drift(found.get("drift")),
         )
 
     def _displacement(self, found: Optional[List[float]]) -> Optional[Dict[str, float]]:

@@ -12,6 +12,7 @@ use crate::pooled::bands::Bands;
 use crate::pooled::certificate::{Certificate, Draws, Evidence, Forecast};
 use crate::pooled::coverage::{Coverage, unseen};
 use crate::pooled::designs::Designs;
+use crate::pooled::drift::Drift;
 use crate::pooled::economy::Economy;
 use crate::pooled::finds::Finds;
 use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
@@ -198,6 +199,10 @@ pub struct Assessment {
     /// simulation as it stands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<Registration>,
+    /// What the readings say of runs of a batch that read otherwise than those of others, sure or not; none where they are too few, where
+    /// that is [allowed for](Settings::blocks), and where runs of a plant share an error anyway.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<Drift>,
     /// Readings that contradict the recommendation.
     pub contradiction: Option<Contradiction>,
     /// Settings of the best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides
@@ -290,6 +295,7 @@ impl Look {
         batch: usize,
     ) -> Result<Self, Error> {
         let Readings { n_earlier, n_failed, .. } = *readings;
+        let blocks = &readings.blocks[..];
         let (constrained, set_aside, readings) = (&readings.constrained, &readings.set_aside, &readings.kept[..]);
         let open = outliers(knowledge, readings, settings)?;
         let again = to_run_again(readings, &open, knowledge.process.noise());
@@ -334,7 +340,9 @@ impl Look {
             let n_plants = plants.n_plants(designs);
             shared.best_of(n_plants, settings.confidence)
         });
-        let error_of_a_reading = shared.map_or(0.0, |(_, shared)| shared.error_of_a_reading());
+        let has_assemblies = settings.has_assemblies();
+        let of_a_block = || if has_assemblies { knowledge.process.assembly_deviation().powi(2) } else { 0.0 };
+        let error_of_a_reading = shared.map_or_else(of_a_block, |(_, shared)| shared.error_of_a_reading());
         let mut rng = stream(settings.seed, Purpose::Finds, batch);
         let contradiction =
             contradiction(knowledge, readings, constrained, &recommended, error_of_a_reading, settings.confidence)?;
@@ -344,7 +352,7 @@ impl Look {
         let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
         let above = contradiction.is_none().then(|| above_the_least(&recommended, readings, settings)).flatten();
         // What runs of a plant share, and bounds that only some designs keep to, these do not know of.
-        let is_plain = settings.plants.is_none() && settings.constraints.is_empty();
+        let is_plain = !has_assemblies && settings.constraints.is_empty();
         let by_runs = never_run <= 0.0 && designs.are_few() && is_plain;
         let run_means = by_runs.then(|| RunMeans::of(readings, cell, settings.noise)).flatten();
         let draws = draws.beside(found).with_plants(of_plants).above_the_least(above).by_runs(run_means);
@@ -358,9 +366,17 @@ impl Look {
         let are_equal = readings.windows(2).all(|two| two[0].response.to_bits() == two[1].response.to_bits());
         let needed = Needed::of(&evidence, designs, settings, (n_repeats, are_equal));
         let bands = Bands::of(readings, designs.n_terms());
+        let drift = match has_assemblies {
+            true => None,
+            false => {
+                let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
+                let places = knowledge.places(&cells)?;
+                Drift::of(readings, blocks, &places, knowledge.process.particles(), settings.noise.is_some())?
+            }
+        };
         let assessment = Assessment {
             noise: knowledge.process.noise(),
-            assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
+            assembly: has_assemblies.then(|| knowledge.process.assembly_deviation()),
             own: shared.map(|(_, shared)| shared.own.sqrt()),
             n_again: shared.map(|(_, shared)| shared.n_again),
             n_repeats,
@@ -371,6 +387,7 @@ impl Look {
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
+            drift,
             registration: knowledge.registration.clone(),
             displacement: knowledge.displacement().map(|displacement| displacement.natural(designs)),
             contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),
@@ -459,7 +476,7 @@ impl Look {
         pending: &[Cell],
         picks: &[Pick],
     ) -> Option<Cell> {
-        let is_given = settings.noise.is_some_and(|noise| noise > 0.0) && settings.plants.is_none();
+        let is_given = settings.noise.is_some_and(|noise| noise > 0.0) && !settings.has_assemblies();
         let measured = |cell: &Cell| knowledge.measured.contains(cell);
         let is_tested = self.assessment.n_repeats >= ENOUGH_TO_TEST
             || pending.iter().any(measured)

@@ -7,6 +7,7 @@ use surface::Data;
 use surface::process::{Places, Sites};
 
 use crate::Error;
+use crate::pooled::block::Block;
 use crate::pooled::designs::Designs;
 use crate::pooled::plants::Plants;
 use crate::pooled::settings::Settings;
@@ -83,6 +84,8 @@ pub(crate) struct Measurements {
     pub(crate) n_earlier: usize,
     /// Designs of the campaign all of whose experiments failed.
     pub(crate) n_failed: usize,
+    /// The block of each reading, by its number.
+    pub(crate) blocks: Vec<Block>,
 }
 
 impl Measurements {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::pooled::bands::NINE_IN_TEN;
+use crate::pooled::block::Block;
 use crate::pooled::designs::Designs;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::{Measurements, Reading};
@@ -45,6 +46,8 @@ pub(crate) struct Readings {
     pub(crate) n_earlier: usize,
     /// Designs of the campaign all of whose experiments failed.
     pub(crate) n_failed: usize,
+    /// The block of each reading, by its number.
+    pub(crate) blocks: Vec<Block>,
 }
 
 /// Beyond so many standard deviations a reading is an outlier.
@@ -156,8 +159,8 @@ pub(crate) fn learnt<'a, 's>(
     if !set_aside.is_empty() {
         knowledge = knowledge.through(&measurements, settings)?;
     }
-    let Measurements { readings: kept, constrained, n_earlier, n_failed, .. } = measurements;
-    Ok((knowledge, Readings { kept, constrained, set_aside, n_earlier, n_failed }))
+    let Measurements { readings: kept, constrained, n_earlier, n_failed, blocks, .. } = measurements;
+    Ok((knowledge, Readings { kept, constrained, set_aside, n_earlier, n_failed, blocks }))
 }
 
 /// Takes out of `readings` those that repeats give the lie to, and says which they were. Of two runs of the same settings that differ by

@@ -8,6 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::pooled::block::Block;
 use crate::pooled::designs::Designs;
 
 /// Which parameters make a plant, and what another plant costs.
@@ -171,17 +172,17 @@ pub(crate) type Plant = Vec<u64>;
 /// Cells that are looked at on chosen plants.
 const MOST: usize = 400;
 
-/// A number for each assembly: one plant in one batch.
+/// A number for each assembly: one plant in one block.
 #[derive(Debug, Default)]
 pub(crate) struct Assemblies {
-    known: BTreeMap<(usize, Plant), usize>,
+    known: BTreeMap<(Block, Plant), usize>,
     next: usize,
 }
 
 impl Assemblies {
-    pub(crate) fn of(&mut self, batch: usize, plant: Plant) -> usize {
+    pub(crate) fn of(&mut self, block: &Block, plant: Plant) -> usize {
         let next = &mut self.next;
-        *self.known.entry((batch, plant)).or_insert_with(|| {
+        *self.known.entry((block.clone(), plant)).or_insert_with(|| {
             *next += 1;
             *next
         })
@@ -201,11 +202,15 @@ mod tests {
     #[test]
     fn an_assembly_is_one_plant_in_one_batch() {
         let mut assemblies = Assemblies::default();
-        let first = assemblies.of(0, vec![1, 2]);
-        let others =
-            [assemblies.of(0, vec![2, 1]), assemblies.of(1, vec![1, 2]), assemblies.alone(), assemblies.alone()];
-        assert_eq!(assemblies.of(0, vec![1, 2]), first, "the same plant in the same batch");
-        assert_eq!(assemblies.of(1, vec![1, 2]), others[1]);
+        let first = assemblies.of(&Block::Batch(0), vec![1, 2]);
+        let others = [
+            assemblies.of(&Block::Batch(0), vec![2, 1]),
+            assemblies.of(&Block::Batch(1), vec![1, 2]),
+            assemblies.alone(),
+            assemblies.alone(),
+        ];
+        assert_eq!(assemblies.of(&Block::Batch(0), vec![1, 2]), first, "the same plant in the same batch");
+        assert_eq!(assemblies.of(&Block::Batch(1), vec![1, 2]), others[1]);
         let all: std::collections::BTreeSet<usize> = others.into_iter().chain([first]).collect();
         assert_eq!(all.len(), 5, "{first} and {others:?}");
     }

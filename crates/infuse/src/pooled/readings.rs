@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use design_space::Cell;
 
 use crate::Error;
-use crate::pooled::campaign::{Earlier, Loop};
+use crate::pooled::block::Block;
+use crate::pooled::campaign::{Earlier, Loop, Record};
 use crate::pooled::measurements::{Measurements, Reading};
 use crate::pooled::plants::Assemblies;
 
@@ -24,23 +25,30 @@ impl Loop {
         });
         let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
         let mut readings: Vec<Reading> = earlier.chain(own).enumerate().map(numbered).collect::<Result<_, Error>>()?;
-        let batches = self.records.iter().filter(|record| record.cost().is_some()).map(|record| record.trial.batch);
-        self.assemble(&mut readings, batches.collect());
+        self.assemble(
+            &mut readings,
+            &self.blocks(|earlier| earlier.outcome.cost().is_some(), |record| record.cost().is_some()),
+        );
         Ok(readings)
     }
 
-    /// Says which readings share an error: those of one plant in one batch, of which these are the batches; what was made before
-    /// stands alone.
-    fn assemble(&self, readings: &mut [Reading], batches: Vec<usize>) {
-        let Some(plants) = &self.settings.plants else { return };
+    /// The blocks of the earlier experiments and of the records that count, in the order of their readings.
+    fn blocks(&self, counts: impl Fn(&Earlier) -> bool, has_counted: impl Fn(&Record) -> bool) -> Vec<Block> {
+        let earlier =
+            self.earlier.iter().filter(|earlier| counts(earlier)).map(|one| Block::Source(one.source.clone()));
+        let own = self.records.iter().filter(|record| has_counted(record)).map(|one| Block::Batch(one.trial.batch));
+        earlier.chain(own).collect()
+    }
+
+    /// Says which readings share an error: those of one plant in one batch, what was made before standing alone; or those of one block.
+    fn assemble(&self, readings: &mut [Reading], blocks: &[Block]) {
         let mut assemblies = Assemblies::default();
-        let n_earlier = readings.len() - batches.len();
-        let batches = std::iter::repeat_n(None, n_earlier).chain(batches.into_iter().map(Some));
-        for (reading, batch) in readings.iter_mut().zip(batches) {
-            reading.assembly = Some(match batch {
-                Some(batch) => assemblies.of(batch, plants.of(&self.designs, reading.cell)),
-                None => assemblies.alone(),
-            });
+        for (reading, block) in readings.iter_mut().zip(blocks) {
+            reading.assembly = match (&self.settings.plants, block) {
+                (Some(plants), Block::Batch(_)) => Some(assemblies.of(block, plants.of(&self.designs, reading.cell))),
+                (Some(_), Block::Source(_)) => Some(assemblies.alone()),
+                (None, block) => self.settings.blocks.then(|| assemblies.of(block, Vec::new())),
+            };
         }
     }
 
@@ -53,7 +61,8 @@ impl Loop {
         let readings = self.readings()?;
         let n_earlier = self.earlier.iter().filter(|earlier| earlier.outcome.cost().is_some()).count();
         let n_failed = self.n_failed(&readings);
-        Ok(Measurements { readings, constrained, failed, refused, n_earlier, n_failed })
+        let blocks = self.blocks(|earlier| earlier.outcome.cost().is_some(), |record| record.cost().is_some());
+        Ok(Measurements { readings, constrained, failed, refused, n_earlier, n_failed, blocks })
     }
 
     /// Designs of the campaign that gave no response in any experiment.
@@ -73,8 +82,8 @@ impl Loop {
         });
         let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
         let mut readings: Vec<Reading> = earlier.chain(own).enumerate().map(numbered).collect::<Result<_, Error>>()?;
-        let measured = self.records.iter().filter(|record| value(self.constrained(record.trial.id)).is_some());
-        self.assemble(&mut readings, measured.map(|record| record.trial.batch).collect());
+        let was_measured = |record: &Record| value(self.constrained(record.trial.id)).is_some();
+        self.assemble(&mut readings, &self.blocks(|earlier| value(&earlier.constrained).is_some(), was_measured));
         Ok(readings)
     }
 

@@ -60,6 +60,10 @@ pub struct Settings {
     /// Number of structures and hyperparameters that are averaged. Default 18.
     #[serde(default = "default_particles")]
     pub particles: usize,
+    /// Runs of a batch share an error that those of others do not have, as where a rig drifts from day to day; so do those of a source
+    /// outside of the campaign. Default: they do not, but what they say of it is told.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub blocks: bool,
     /// The structures that are averaged. Default: all.
     #[serde(default = "default_structures")]
     pub structures: Vec<Structure>,
@@ -134,10 +138,16 @@ impl Settings {
             constraints: Vec::new(),
             linear_constraints: Vec::new(),
             plants: None,
+            blocks: false,
             particles: default_particles(),
             structures: default_structures(),
             seed: default_seed(),
         }
+    }
+
+    /// Whether some readings share an error.
+    pub(crate) fn has_assemblies(&self) -> bool {
+        self.plants.is_some() || self.blocks
     }
 
     /// How hyperparameters are drawn.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use design_space::{Cell, Grid, Parameter, Region};
+use infuse::pooled::reported::{Block, Drift};
 use infuse::pooled::{Ask, Assessment, Loop, Needed, Plants, Reason, Settings, Simulate, StopBy, StopReason, Trial};
 use infuse::{Error, Outcome, TrialId};
 use rand::{RngExt, SeedableRng};
@@ -823,6 +824,51 @@ fn by_the_surface_alone_a_campaign_of_a_bowl_stops_sooner_and_not_too_early() {
         assert!(found.certificate.bound > 0.05 && found.find.is_none(), "seed {seed}: {found:?}");
         assert_eq!(found.further_batches, Some(0), "seed {seed}");
     }
+}
+
+/// Every batch reads otherwise, by ten times the noise: that is said, and the best design is found once it is allowed for; what is shared by runs
+/// of a batch is then about as much as it is.
+#[test]
+fn a_rig_that_drifts_is_said_to_and_allowed_for() {
+    let (mut said, mut better) = (0, 0.0);
+    for seed in 1..=5 {
+        let ended = |blocks: bool| {
+            let mut settings = batches(10, 4, seed);
+            settings.blocks = blocks;
+            let mut campaign = campaign(2, 21, settings);
+            let mut measure = noisy(seed, 0.01, truth);
+            let mut drifting = |trial: &Trial| Ok(measure(trial)? + [0.0, 0.1, -0.1, 0.15][trial.batch - 1]);
+            campaign.run(&mut simulation, &mut drifting).expect("a campaign that ends");
+            let found = assessed(&mut campaign);
+            assert!(truth(&found.recommended.point) <= 0.05 || !blocks, "seed {seed}: {found:?}");
+            found
+        };
+        let (plain, allowed) = (ended(false), ended(true));
+        said += usize::from(plain.drift.as_ref().is_some_and(Drift::is_sure));
+        assert!(allowed.drift.is_none() && plain.assembly.is_none(), "seed {seed}");
+        let shared = allowed.assembly.expect("an error that is shared");
+        assert!((0.04..0.4).contains(&shared) && allowed.noise < 0.03, "seed {seed}: {shared} {}", allowed.noise);
+        better += truth(&plain.recommended.point) - truth(&allowed.recommended.point);
+    }
+    assert!(said >= 4 && better >= 0.0, "{said} of 5, {better}");
+}
+
+/// Experiments from elsewhere that all read more: their source is a block of its own.
+#[test]
+fn earlier_experiments_of_another_rig_share_an_error() {
+    let mut campaign = campaign(2, 21, batches(10, 3, 1));
+    let mut measure = noisy(1, 0.01, truth);
+    for at in 0..9 {
+        let point = [f64::from(at % 3) * 0.4 + 0.1, f64::from(at / 3) * 0.4 + 0.1];
+        campaign.add_earlier(&point, truth(&point) + 0.3, "the old rig").expect("in the region");
+    }
+    campaign.run(&mut simulation, &mut measure).expect("a campaign that ends");
+    let found = assessed(&mut campaign);
+    let drift = found.drift.filter(Drift::is_sure).expect("sure of it");
+    let of = |block: &Block| drift.shifts.iter().find(|shift| shift.block == *block).expect("a block");
+    let old = of(&Block::Source("the old rig".to_owned()));
+    assert_eq!(old.n_readings, 9);
+    assert!((1..=3).all(|batch| old.by - of(&Block::Batch(batch)).by > 0.1), "{drift:?}");
 }
 
 /// Pending trials count as if they had come out as expected: the next ones go elsewhere than they would otherwise.

@@ -5,6 +5,9 @@ mod constrained;
 mod constrained_page;
 pub(crate) mod constrained_run;
 mod displaced_page;
+mod drift;
+mod drift_page;
+pub(crate) mod drift_run;
 mod families;
 mod figure;
 mod methods;
@@ -18,7 +21,6 @@ use std::io::{BufRead, Write};
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use design_space::{Cell, Grid};
 use infuse::pooled::reported::{NINE_IN_TEN, Registration};
 use rayon::prelude::*;
 
@@ -26,7 +28,7 @@ use crate::reproduction::progress;
 use families::{DECOYS, DISPLACED, FAMILIES, Family};
 use methods::{DISPLACED_METHODS, METHODS, Method, UNTOLD};
 use results::{Beside, Displaced, Fresh, Results, Row};
-use task::{COMPARED_SEEDS, DISPLACED_SEEDS, FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_families};
+use task::{COMPARED_SEEDS, DISPLACED_SEEDS, FRESH_SEEDS, LEVELS, SEEDS, Task, fresh_families, lowest};
 
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
@@ -190,27 +192,6 @@ fn bands_of(told: &Registration, truth: &[f64]) -> [usize; 2] {
         told.displacement.iter().zip(&told.deviations).zip(truth).filter(|((_, deviation), _)| **deviation > 0.0);
     let holds = axes.clone().filter(|((said, deviation), by)| (*said - *by).abs() <= NINE_IN_TEN * **deviation);
     [axes.count(), holds.count()]
-}
-
-/// The lowest value on a grid: of all cells, or by descent from the best of many where there are too many.
-fn lowest(grid: &Grid, truth: &dyn Fn(&[f64]) -> f64) -> Result<f64> {
-    const ALL: u64 = 400_000;
-    const SAMPLE: u64 = 40_000;
-    const STARTS: usize = 60;
-    let at = |cell: Cell| Ok::<_, anyhow::Error>((truth(&grid.point(cell)?), cell));
-    if grid.n_cells() <= ALL {
-        let values = grid.cells().map(|cell| Ok(at(cell)?.0)).collect::<Result<Vec<f64>>>()?;
-        return Ok(values.into_iter().fold(f64::INFINITY, f64::min));
-    }
-    // A stride that shares no factor with the number of cells visits different ones.
-    let stride = 1_000_003 + grid.n_cells() / SAMPLE;
-    let mut sample = (0..SAMPLE).map(|i| at(Cell::new(i * stride % grid.n_cells()))).collect::<Result<Vec<_>>>()?;
-    sample.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best = f64::INFINITY;
-    for &start in sample.iter().take(STARTS) {
-        best = best.min(descend(grid, truth, start)?.0);
-    }
-    Ok(best)
 }
 
 /// Answers points of a pair, for programs in other languages: the first line says the number of factors, the levels, the noise,

@@ -94,3 +94,24 @@ pub(super) fn descend(grid: &Grid, value: &dyn Fn(&[f64]) -> f64, start: (f64, C
         }
     }
 }
+
+/// The lowest value on a grid: of all cells, or by descent from the best of many where there are too many.
+pub(super) fn lowest(grid: &Grid, truth: &dyn Fn(&[f64]) -> f64) -> Result<f64> {
+    const ALL: u64 = 400_000;
+    const SAMPLE: u64 = 40_000;
+    const STARTS: usize = 60;
+    let at = |cell: Cell| Ok::<_, anyhow::Error>((truth(&grid.point(cell)?), cell));
+    if grid.n_cells() <= ALL {
+        let values = grid.cells().map(|cell| Ok(at(cell)?.0)).collect::<Result<Vec<f64>>>()?;
+        return Ok(values.into_iter().fold(f64::INFINITY, f64::min));
+    }
+    // A stride that shares no factor with the number of cells visits different ones.
+    let stride = 1_000_003 + grid.n_cells() / SAMPLE;
+    let mut sample = (0..SAMPLE).map(|i| at(Cell::new(i * stride % grid.n_cells()))).collect::<Result<Vec<_>>>()?;
+    sample.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = f64::INFINITY;
+    for &start in sample.iter().take(STARTS) {
+        best = best.min(descend(grid, truth, start)?.0);
+    }
+    Ok(best)
+}

@@ -28,6 +28,9 @@ pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
         ("`seed`", settings.seed.to_string()),
         ("designs", grouped(campaign.grid.n_cells())),
     ];
+    if settings.blocks {
+        rows.push(("`blocks`", "true: runs of a batch share an error".to_owned()));
+    }
     if !settings.displaced {
         rows.push(("`displaced`", "false: the simulation is taken as it stands".to_owned()));
     }

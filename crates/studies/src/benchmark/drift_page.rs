@@ -1,0 +1,171 @@
+//! `docs/results-drift.md`: what a rig costs that drifts from batch to batch, and how often that is said.
+
+use anyhow::{Context as _, Result};
+use infuse::pooled::reported::Drift;
+use page::{Column, Finding, Table};
+
+use super::drift::{BATCHES, KINDS, Kind, NAMES, Row, SEEDS, WAYS, Way};
+use super::figure::Regrets;
+use super::summary::FLOOR;
+use crate::first_screen::around;
+use crate::words::number;
+
+const PAGE: &str = "docs/results-drift.md";
+const PICTURE: &str = "docs/results-drift.svg";
+
+/// The kind that drifts most.
+const MOST: usize = 2;
+
+fn of(rows: &[Row], kind: Kind, way: Way, batch: usize) -> Vec<&Row> {
+    let is_meant = |row: &&Row| row.kind == kind.name && row.way == way.name && row.batch == batch;
+    let mut found: Vec<&Row> = rows.iter().filter(is_meant).collect();
+    found.sort_by(|a, b| a.family.cmp(&b.family).then(a.seed.cmp(&b.seed)));
+    found
+}
+
+fn logarithm(row: &Row) -> f64 {
+    (row.regret + FLOOR).log10()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// The geometric mean of what is missing, the floor added to each, in percent.
+fn typical(rows: &[&Row]) -> f64 {
+    100.0 * 10.0_f64.powf(mean(&rows.iter().map(|row| logarithm(row)).collect::<Vec<_>>()))
+}
+
+/// The mean of the decimal logarithm of what is missing with `blocks` by that without, campaign by campaign, with its standard error.
+fn paired(rows: &[Row], kind: Kind, batch: usize) -> (f64, f64) {
+    let [plain, blocks] = WAYS.map(|way| of(rows, kind, way, batch));
+    let ratios: Vec<f64> =
+        blocks.iter().zip(plain).map(|(blocks, plain)| logarithm(blocks) - logarithm(plain)).collect();
+    let center = mean(&ratios);
+    let squares: f64 = ratios.iter().map(|ratio| (ratio - center).powi(2)).sum();
+    let n = ratios.len() as f64;
+    (center, (squares / (n - 1.0).max(1.0) / n.max(1.0)).sqrt())
+}
+
+fn broken(rows: &[&Row]) -> usize {
+    rows.iter().filter(|row| row.regret > row.bound + 1e-12).count()
+}
+
+fn said(rows: &[&Row]) -> usize {
+    rows.iter().filter(|row| row.is_said).count()
+}
+
+pub(super) fn texts(rows: &[Row]) -> Result<[(&'static str, String); 2]> {
+    Ok([(PAGE, markdown(rows)?), (PICTURE, picture(rows))])
+}
+
+fn findings(rows: &[Row]) -> Vec<Finding> {
+    let last = |kind: Kind| WAYS.map(|way| typical(&of(rows, kind, way, BATCHES)));
+    let [still, most] = [KINDS[0], KINDS[MOST]].map(last);
+    let head = Finding::new(format!(
+        "On a rig that reads all runs of a batch three noises higher or lower, anew each batch, {} % of the range is missing after {BATCHES} \
+         batches, {} % with `blocks`; where nothing drifts {} and {} %.",
+        number(most[0], 2),
+        number(most[1], 2),
+        number(still[0], 2),
+        number(still[1], 2)
+    ));
+    let quiet = |batch| of(rows, KINDS[0], WAYS[0], batch);
+    let [alarms, assessments] = [said as fn(&[&Row]) -> usize, |rows| rows.len()]
+        .map(|count| (2..=BATCHES).map(|batch| count(&quiet(batch))).sum::<usize>());
+    let mut detected = Finding::new(format!(
+        "That a rig drifts is said where nothing drifts in {alarms} of {assessments} assessments from batch 2 on, and where it does, after batches \
+         2 to {BATCHES}:"
+    ));
+    for kind in &KINDS[1..] {
+        let of_each = (2..=BATCHES).map(|batch| {
+            let there = of(rows, *kind, WAYS[0], batch);
+            format!("{:.0}", 100.0 * said(&there) as f64 / there.len().max(1) as f64)
+        });
+        detected = detected.detail(Finding::new(format!(
+            "{}: in {} % of the campaigns.",
+            crate::words::capitalized(kind.words),
+            of_each.collect::<Vec<_>>().join(", ")
+        )));
+    }
+    let held = WAYS.map(|way| {
+        let all: Vec<&Row> =
+            (1..=BATCHES).flat_map(|batch| KINDS.map(|kind| of(rows, kind, way, batch)).concat()).collect();
+        format!("{} of {} with {}", broken(&all), all.len(), way.words)
+    });
+    vec![
+        head,
+        detected,
+        Finding::new(format!("The certificate was broken after {} batches.", held.join(", and after "))),
+    ]
+}
+
+fn markdown(rows: &[Row]) -> Result<String> {
+    let mut text = "# A rig that drifts\n\n".to_owned();
+    text += &around(
+        &findings(rows),
+        "![Regret after each batch, by how the rig drifts](results-drift.svg)",
+        "What is missing after each batch: geometric mean over campaigns, 0.3 % of the range added to each. Lower is better.",
+    );
+    text += &format!(
+        "\nWritten by `cargo xtask benchmark --drift` from the campaigns kept in `fixtures/benchmark/drift.csv`; delete rows there and they are \
+         run anew. With `--check` it runs some of them again. Families of the [benchmark](results-benchmark.md): `{}`, seeds {} to {}, on which \
+         nothing was chosen; the gain from which on a drift is believed, {}, was chosen on others, 601 to 604. To what is read all runs of a \
+         batch have something added; with `blocks` the loop knows that they may, not how much.\n",
+        NAMES.join("`, `"),
+        SEEDS.start(),
+        SEEDS.end(),
+        Drift::SURE
+    );
+    text += "\n## What is missing\n\nGeometric mean in % of the range after each batch, and the mean of the decimal logarithm of the ratio, \
+             with `blocks` by without, campaign by campaign, after the last one, with its standard error.\n\n";
+    let heads = ["drift", "campaigns", "results as they are", "`blocks`", "logarithm of the ratio"];
+    let mut table = Table::new(heads.map(Column::words).to_vec());
+    for kind in KINDS {
+        let by_batch = |way: Way| {
+            (1..=BATCHES).map(|batch| number(typical(&of(rows, kind, way, batch)), 2)).collect::<Vec<_>>().join(", ")
+        };
+        let (ratio, error) = paired(rows, kind, BATCHES);
+        let n = of(rows, kind, WAYS[0], BATCHES).len();
+        table.push(vec![
+            kind.words.to_owned(),
+            n.to_string(),
+            by_batch(WAYS[0]),
+            by_batch(WAYS[1]),
+            format!("{ratio:.2} ± {error:.2}"),
+        ]);
+    }
+    text += &table.markdown();
+    text += "\n## What is said, and what is promised\n\nIn how many campaigns it is said that the rig drifts, after each batch from the second \
+             on; in how many the certificate was broken, after each batch; and the median of the error that runs of a batch share after the last \
+             one, in noises of one run, as it is learnt with `blocks`.\n\n";
+    let heads = ["drift", "said", "broken", "broken, `blocks`", "shared error"];
+    let mut table = Table::new(heads.map(Column::words).to_vec());
+    for kind in KINDS {
+        let list = |way: Way, first: usize, of_rows: fn(&[&Row]) -> usize| {
+            let of_each = (first..=BATCHES).map(|batch| of_rows(&of(rows, kind, way, batch)).to_string());
+            of_each.collect::<Vec<_>>().join(", ")
+        };
+        let shared: Vec<f64> = of(rows, kind, WAYS[1], BATCHES).iter().filter_map(|row| row.shared).collect();
+        table.push(vec![
+            kind.words.to_owned(),
+            list(WAYS[0], 2, said),
+            list(WAYS[0], 1, broken),
+            list(WAYS[1], 1, broken),
+            number(page::quantile(&shared, 0.5).context("no shared error")?, 1),
+        ]);
+    }
+    text += &table.markdown();
+    Ok(text)
+}
+
+fn picture(rows: &[Row]) -> String {
+    let panel = |way: &Way| {
+        let curve = |kind: &Kind| {
+            (kind.words, (1..=BATCHES).map(|batch| typical(&of(rows, *kind, *way, batch))).collect::<Vec<f64>>())
+        };
+        (way.words.replace('`', ""), KINDS.iter().map(curve).collect())
+    };
+    Regrets { title: "Regret, by how the rig drifts", panels: WAYS.iter().map(panel).collect(), is_one_scale: true }
+        .picture()
+}
