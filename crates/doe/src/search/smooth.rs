@@ -39,6 +39,8 @@ fn apply(a: &[f64], p: usize, x: &[f64], out: &mut [f64]) {
 
 /// Weight of the square of what the determinant lacks, for T.
 const PENALTY: f64 = 100.0;
+/// The penalty begins so much above the least, so that its balance with the trace is not below it.
+pub(crate) const MARGIN: f64 = 0.02;
 
 /// A smoothed criterion as a function of the coordinates of the free runs, run by run.
 #[derive(Debug)]
@@ -107,8 +109,7 @@ impl<'a> Smooth<'a> {
                 let value = trace(&self.matrices.information);
                 self.steepness.fill(0.0);
                 self.steepness.iter_mut().step_by(p + 1).for_each(|s| *s = 1.0 / value);
-                // A little above the least, so that the balance of trace and penalty is not below it.
-                let below = (self.frame.least_log_determinant + 0.02 - log_determinant / p as f64).max(0.0);
+                let below = (self.frame.least_log_determinant + MARGIN - log_determinant / p as f64).max(0.0);
                 let slope = 2.0 * PENALTY * below / p as f64;
                 self.steepness.iter_mut().zip(inverse).for_each(|(s, d)| *s += slope * d);
                 PENALTY * below * below - value.ln()

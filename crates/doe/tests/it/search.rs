@@ -563,6 +563,24 @@ fn a_time_limit_holds_with_thousands_of_coordinates() {
     assert!(found.report.elapsed < Duration::from_secs(4), "{:?}", found.report.elapsed);
 }
 
+/// Without its determinant a polish for T would put every run at a corner, where no square can be told from 1.
+#[test]
+fn a_polish_for_t_keeps_the_determinant_of_the_design() {
+    let (model, space) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+    let problem = Problem::new(model.clone(), space.clone(), 9, Criterion::T).unwrap();
+    for size in [0.6, 0.8, 0.95] {
+        let levels = [-size, 0.1, size];
+        let runs: Vec<[f64; 2]> = levels.iter().flat_map(|&x| levels.map(|y| [x, y])).collect();
+        let given = Design::from_runs(&runs).unwrap();
+        let percent =
+            |criterion: Criterion, design: &Design| criterion.efficiency(&model, &space, design).unwrap().percent;
+        let polished = polished(&problem, &given).unwrap();
+        let [t, d] =
+            [Criterion::T, Criterion::D].map(|criterion| percent(criterion, &polished) / percent(criterion, &given));
+        assert!(t > 1.01 && d > 0.99, "{t} of the trace and {d} of the determinant at {size}");
+    }
+}
+
 /// Orthogonal arrays: their prediction variance at the corners is the least there is, p / N.
 #[test]
 fn orthogonal_designs_in_many_factors_are_found_by_a_few_starts() {
