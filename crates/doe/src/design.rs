@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::check_points;
-use crate::shape::SAME_RUN;
+use crate::same::{SAME_RUN, unite};
 use crate::{Error, Region, Space};
 
 /// An ordered list of runs in coded coordinates: n_runs × n_factors, row by row.
@@ -113,6 +113,13 @@ impl Design {
             });
         }
         Ok(Self { n_factors: self.n_factors, coordinates: [&self.coordinates[..], &other.coordinates].concat() })
+    }
+
+    /// The same runs, of which replicates are equal to the last bit: each run after the first `n_fixed` has the coordinates of
+    /// the first before it that is the same.
+    pub(crate) fn with_equal_replicates(mut self, n_fixed: usize) -> Self {
+        unite(self.n_factors, &mut self.coordinates, n_fixed);
+        self
     }
 
     /// Number of distinct points, to within the tolerance of [`Replicates`](crate::Replicates).

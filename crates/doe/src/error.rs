@@ -58,8 +58,8 @@ pub enum Error {
         /// The value given.
         value: f64,
     },
-    /// The same candidate twice.
-    #[error("candidates {} and {} are the same point, expected distinct candidates", first + 1, second + 1)]
+    /// The same candidate twice: runs that no coordinate tells apart by more than 1e-6 are replicates.
+    #[error("candidates {} and {} are the same run, expected candidates more than 1e-6 apart in some coordinate", first + 1, second + 1)]
     DuplicateCandidate {
         /// Index of the first.
         first: usize,
@@ -72,8 +72,8 @@ pub enum Error {
         /// Number of levels given.
         count: usize,
     },
-    /// Levels that are not distinct values in rising order within −1 to 1.
-    #[error("the levels of factor {} are not finite, rising and within -1 to 1", factor + 1)]
+    /// Levels that are not distinct values in rising order within −1 to 1: no more than 1e-6 apart they would make the same run.
+    #[error("the levels of factor {} are not finite, rising by more than 1e-6 and within -1 to 1", factor + 1)]
     LevelsNotRising {
         /// Index of the factor.
         factor: usize,

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::shape::SAME_RUN;
+use crate::same::SAME_RUN;
 use crate::{Design, Error, FileFault, Levels, Parameter, Region, Space};
 
 /// A design as a file gave it.
@@ -177,7 +177,7 @@ impl Design {
     }
 
     /// The same runs at settings of nine significant digits, which nobody minds to read, as long as they stay in the space
-    /// and what was a replicate stays one. Levels and the first `n_fixed` runs stay as they are.
+    /// and what was a replicate stays one, to the last bit. Levels and the first `n_fixed` runs stay as they are.
     ///
     /// ```
     /// use doe::{Design, Parameter, Region, Space};
@@ -192,7 +192,8 @@ impl Design {
     /// [`DesignSpaceError::WrongDimension`](crate::DesignSpaceError::WrongDimension).
     pub fn rounded(&self, region: &Region, space: &Space, n_fixed: usize) -> Result<Self, Error> {
         let mut runs = Vec::with_capacity(self.coordinates().len());
-        for (index, (run, settings)) in self.runs().zip(self.natural(region)?).enumerate() {
+        let united = self.clone().with_equal_replicates(n_fixed);
+        for (index, (run, settings)) in united.runs().zip(united.natural(region)?).enumerate() {
             let parameters = region.parameters().iter().zip(settings);
             let short = parameters.map(|(parameter, value)| match parameter.levels() {
                 Levels::Continuous => in_few_digits(parameter, value),
@@ -201,7 +202,7 @@ impl Design {
             let short = region.coded(&short.collect::<Vec<_>>())?;
             runs.extend(if index >= n_fixed && space.contains(&short) { short } else { run.to_vec() });
         }
-        Self::new(self.n_factors(), runs)
+        Ok(Self::new(self.n_factors(), runs)?.with_equal_replicates(n_fixed))
     }
 
     /// Number of the distinct point, from 1 in order of appearance, and number of the visit, of each run.

@@ -16,6 +16,7 @@ mod maximum;
 mod measure;
 mod polynomial;
 mod products;
+mod same;
 mod search;
 mod shape;
 mod space;

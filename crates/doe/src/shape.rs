@@ -2,6 +2,7 @@
 
 use design_space::{Combinations, coded_level};
 
+use crate::same::same_pair;
 use crate::{Cell, Error, Forbidden};
 
 /// The values one coded coordinate can take.
@@ -64,8 +65,6 @@ pub(crate) struct List {
 
 /// How far a coordinate may be from a level, a bound or a candidate and still be it.
 pub(crate) const SAME: f64 = 1e-9;
-/// Coordinates that differ by no more make two runs replicates.
-pub(crate) const SAME_RUN: f64 = 1e-6;
 
 impl BoxShape {
     /// The box with all axes continuous.
@@ -164,19 +163,10 @@ impl List {
         self.coordinates = kept;
     }
 
+    /// Candidates that would be replicates of each other are the same one twice.
     pub(crate) fn check_distinct(&self) -> Result<(), Error> {
-        let mut order: Vec<usize> = (0..self.n_points()).collect();
-        let compare = |&a: &usize, &b: &usize| {
-            let pairs = self.point(a).iter().zip(self.point(b));
-            // Adding zero makes the two zeros one.
-            pairs
-                .map(|(x, y)| (x + 0.0).total_cmp(&(y + 0.0)))
-                .find(|order| order.is_ne())
-                .unwrap_or(std::cmp::Ordering::Equal)
-        };
-        order.sort_unstable_by(|a, b| compare(a, b).then(a.cmp(b)));
-        match order.windows(2).find(|pair| compare(&pair[0], &pair[1]).is_eq()) {
-            Some(pair) => Err(Error::DuplicateCandidate { first: pair[0], second: pair[1] }),
+        match same_pair(self.n_factors, &self.coordinates) {
+            Some((first, second)) => Err(Error::DuplicateCandidate { first, second }),
             None => Ok(()),
         }
     }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::error::{check_count, check_points};
 use crate::measure::Measure;
+use crate::same::SAME_RUN;
 use crate::shape::{Axis, BoxShape, List, SAME, Shape, within_closed};
 use crate::wording::counted;
 use crate::{Error, Forbidden, Levels, Model, Region};
@@ -54,7 +55,7 @@ impl Space {
     /// # Errors
     ///
     /// [`Error::Count`]; [`Error::TooFewAxisLevels`]; [`Error::LevelsNotRising`] for levels that are NaN, outside
-    /// −1 to 1 or not in rising order.
+    /// −1 to 1 or not in rising order, each more than 1e-6 above the one before.
     pub fn of_axes(axes: Vec<Axis>) -> Result<Self, Error> {
         check_count("factors", axes.len(), Model::MOST_FACTORS)?;
         for (factor, axis) in axes.iter().enumerate() {
@@ -62,7 +63,7 @@ impl Space {
                 if levels.len() < 2 {
                     return Err(Error::TooFewAxisLevels { count: levels.len() });
                 }
-                let rises = levels.windows(2).all(|pair| pair[1] - pair[0] > SAME);
+                let rises = levels.windows(2).all(|pair| pair[1] - pair[0] > SAME_RUN);
                 if !rises || levels.iter().any(|level| !(-1.0..=1.0).contains(level)) {
                     return Err(Error::LevelsNotRising { factor });
                 }
@@ -86,7 +87,8 @@ impl Space {
         Self::of_axes(region.parameters().iter().map(axis).collect::<Result<_, _>>()?)
     }
 
-    /// Only these candidates, coded, row by row, as a shrinking design space leaves them behind.
+    /// Only these candidates, coded, row by row, as a shrinking design space leaves them behind. No two may be the same run, as
+    /// [`Replicates`](crate::Replicates) says.
     ///
     /// # Errors
     ///

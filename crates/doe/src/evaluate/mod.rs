@@ -17,7 +17,7 @@ pub use terms::{Alias, Coefficient, Correlations};
 
 use crate::ascent::climb;
 use crate::products::Products;
-use crate::shape::SAME_RUN;
+use crate::same::is_same_run;
 use crate::shape::Shape;
 use crate::{
     Criterion, Design, Efficiency, Error, Information, Model, Over, PredictionVariance, Space,
@@ -237,7 +237,7 @@ fn minimum(model: &Model, space: &Space, information: &Information, points: &[f6
 fn groups(design: &Design) -> (usize, Vec<Vec<usize>>) {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let runs: Vec<&[f64]> = design.runs().collect();
-    let same = |a: usize, b: usize| runs[a].iter().zip(runs[b]).all(|(x, y)| (x - y).abs() <= SAME_RUN);
+    let same = |a: usize, b: usize| is_same_run(runs[a], runs[b]);
     for run in 0..runs.len() {
         match groups.iter_mut().find(|group| same(group[0], run)) {
             Some(group) => group.push(run),

@@ -698,7 +698,8 @@ fn watched_variances(watched: &[f64], inverse: &[f64], p: usize, values: &mut Ve
 mod tests {
     use super::*;
     use crate::products::Products;
-    use crate::shape::{SAME_RUN, Shape};
+    use crate::same::SAME_RUN;
+    use crate::shape::Shape;
     use crate::{Model, Problem, Space};
     use rand::SeedableRng;
 

@@ -15,7 +15,8 @@ use super::problem::{APART, Problem, Replicates};
 use super::settings::Effort;
 use super::starts::{Outcome, Runner};
 use crate::Error;
-use crate::shape::{BoxShape, SAME_RUN};
+use crate::same::SAME_RUN;
+use crate::shape::BoxShape;
 
 pub(crate) fn over_grid(problem: &Problem, shape: &BoxShape, runner: Runner<'_>) -> Result<Outcome, Error> {
     let is_discrete = shape.is_discrete();

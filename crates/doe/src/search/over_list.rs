@@ -13,7 +13,8 @@ use super::problem::{Problem, Replicates};
 use super::settings::Effort;
 use super::starts::{Outcome, Runner};
 use crate::products::Products;
-use crate::shape::{Axis, BoxShape, List, SAME_RUN};
+use crate::same::SAME_RUN;
+use crate::shape::{Axis, BoxShape, List};
 use crate::{Criterion, Error};
 
 /// Monomials on all points of the cube's lattice, of which a search keeps a few copies: 128 MB each.

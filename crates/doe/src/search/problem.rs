@@ -18,8 +18,9 @@ pub struct Problem {
 
 /// Whether a run may be made twice.
 ///
-/// Runs are the same where no coordinate differs by more than 1e-6. Fixed runs may be replicates of each other as they
-/// please.
+/// Runs are the same where no coordinate differs by more than 1e-6; in the design that a search returns such runs are equal
+/// to the last bit, a free run at the coordinates of the fixed one that it repeats. Fixed runs may be replicates of each
+/// other as they please, and stay as they are.
 ///
 /// Along a continuous axis a rule against replicates would be met by runs a millionth apart, which no rig can tell. With
 /// [`Planned`](Self::Planned) a search therefore chooses free runs on a fine grid (41 levels per axis, fewer with many
@@ -262,10 +263,11 @@ impl Problem {
         self.fixed.iter().flat_map(Design::runs)
     }
 
-    /// The whole design of the distinct free runs at these coordinates.
+    /// The whole design of the distinct free runs at these coordinates, replicates equal to the last bit.
     pub(crate) fn design(&self, x: &[f64]) -> Result<Design, Error> {
         let free: Vec<&[f64]> = x.chunks_exact(self.model.n_factors()).collect();
-        Design::from_runs(&self.arranged(self.fixed_runs(), &free))
+        let design = Design::from_runs(&self.arranged(self.fixed_runs(), &free))?;
+        Ok(design.with_equal_replicates(self.n_runs - self.n_free()))
     }
 
     /// The candidate of each run of the whole design, by index, from those of the distinct free runs; nothing where the

@@ -7,7 +7,9 @@ use crate::{Cell, Design, Efficiency};
 /// The best design of a search, its efficiency, and how the search went.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
-    /// Fixed runs first, then the others, planned replicates last.
+    /// Fixed runs first, then the others, planned replicates last. Two runs are equal to the last bit or differ by more than
+    /// 1e-6 in some coordinate, so that whoever groups runs finds the same [replicates](crate::Replicates); fixed runs stay
+    /// as they are.
     pub design: Design,
     /// Where the space is a list, the index of the candidate that each run is, in the order of the runs: a planned
     /// replicate has that of the run it repeats, a fixed run that of the candidate nearest to it. Empty for boxes.

@@ -7,6 +7,7 @@ mod design;
 mod evaluate;
 mod file;
 mod problem_file;
+mod replicates;
 mod search;
 mod space;
 mod split;

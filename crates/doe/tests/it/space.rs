@@ -88,15 +88,15 @@ fn refuses_spaces_that_are_none() {
     );
     check(
         Space::of_axes(vec![Axis::Levels(vec![0.5, 0.5])]),
-        "the levels of factor 1 are not finite, rising and within -1 to 1",
+        "the levels of factor 1 are not finite, rising by more than 1e-6 and within -1 to 1",
     );
     check(
         Space::of_axes(vec![Axis::Levels(vec![0.5, f64::NAN])]),
-        "the levels of factor 1 are not finite, rising and within -1 to 1",
+        "the levels of factor 1 are not finite, rising by more than 1e-6 and within -1 to 1",
     );
     check(
         Space::list(2, vec![0.0, 0.0, 1.0, 1.0, 0.0, -0.0]),
-        "candidates 1 and 3 are the same point, expected distinct candidates",
+        "candidates 1 and 3 are the same run, expected candidates more than 1e-6 apart in some coordinate",
     );
     check(
         Space::list(1, vec![0.0, 1.5]),
@@ -117,6 +117,43 @@ fn refuses_spaces_that_are_none() {
     assert_eq!(Forbidden::new(vec![None, None]), Err(Error::ForbidsEverything));
     let error = Forbidden::new(vec![Some([0.5, f64::NAN])]).unwrap_err();
     assert_eq!(error.to_string(), "factor 1: the forbidden range 0.5 to NaN is not a range, expected lower <= upper");
+}
+
+proptest! {
+    /// Nothing could be searched over them: runs that must differ cannot be both.
+    #[test]
+    fn candidates_are_refused_where_two_of_them_are_the_same_run_and_nowhere_else(
+        n_factors in 1..4_usize,
+        numbers in prop::collection::vec(-900_000..900_000_i32, 60),
+        place in 0..20_usize,
+        by in prop::sample::select(vec![0.0, 1e-10, -1e-10, 1e-8, 9.9e-7, -9.9e-7, 1.1e-6, -1.1e-6]),
+    ) {
+        let mut points: Vec<f64> = numbers.iter().map(|&x| f64::from(x) / 1e6).collect();
+        points.truncate(20 * n_factors);
+        let (n_points, axis) = (points.len() / n_factors, place % n_factors);
+        let first = place % n_points;
+        let mut near = points[first * n_factors..][..n_factors].to_vec();
+        near[axis] += by;
+        points.extend(near);
+        let all: Vec<&[f64]> = points.chunks_exact(n_factors).collect();
+        let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-6);
+        let is_given = |i: usize, j: usize| i < j && same(all[i], all[j]);
+        match Space::list(n_factors, points.clone()) {
+            Ok(_) => {
+                prop_assert!(by.abs() > 1e-6);
+                prop_assert!(!(0..all.len()).any(|j| (0..j).any(|i| is_given(i, j))), "{points:?}");
+            }
+            Err(Error::DuplicateCandidate { first, second }) => prop_assert!(is_given(first, second), "{first}, {second}"),
+            Err(other) => prop_assert!(false, "{other}"),
+        }
+    }
+}
+
+#[test]
+fn levels_that_make_the_same_run_are_refused() {
+    let levels = |by: f64| Space::of_axes(vec![Axis::Levels(vec![-1.0, 0.0, by, 1.0])]);
+    assert_eq!(levels(9e-7).unwrap_err(), Error::LevelsNotRising { factor: 0 });
+    assert!(levels(1.1e-6).is_ok());
 }
 
 /// Only one of two ranges of one parameter could hold, and the other would be allowed in silence.

@@ -1,6 +1,6 @@
 //! Lack of fit against pure error.
 
-use doe::Model;
+use doe::{Criterion, Model, Problem, Settings, Space, search};
 use surface::{Data, Regression};
 
 use crate::check_close;
@@ -31,4 +31,15 @@ fn replicates_that_agree_make_any_lack_of_fit_certain() {
     assert!(test.f > 1e20 && test.p_value < 1e-10, "{test:?}");
     let test = line(&[-1.0, -1.0, 0.0, 1.0], &[0.0; 4]).lack_of_fit().expect("replicates");
     assert_eq!((test.f, test.p_value), (0.0, 1.0), "nothing is missed");
+}
+
+/// The best four runs of a line for the mean prediction have the middle twice, which a search finds but for its last bits.
+#[test]
+fn a_repeat_that_a_search_chose_gives_pure_error() {
+    let model = Model::quadratic(1).expect("a valid model");
+    let problem = Problem::new(model, Space::cube(1).expect("a line"), 4, Criterion::I).expect("a problem");
+    let design = search(&problem, &Settings::default()).expect("a design").design;
+    let values: Vec<f64> = design.coordinates().iter().map(|x| 1.0 + x).collect();
+    let test = line(design.coordinates(), &values).lack_of_fit().expect("replicates");
+    assert_eq!((test.lack_of_fit_degrees, test.pure_error_degrees), (1, 1), "{design:?}");
 }
