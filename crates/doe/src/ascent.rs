@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn highest_is_not_below_any_point_of_a_fine_lattice() {
         let variance = variance();
-        let (at, value) = crate::maximum::highest(&variance, &square());
+        let (at, value) = crate::maximum::highest(&variance, &square(), &|| false);
         assert!((variance.value(&at) - value).abs() < 1e-12 && square().contains(&at), "{at:?}");
         let axis = || (-20..=20).map(|step| f64::from(step) / 20.0);
         let most = axis().flat_map(|x| axis().map(move |y| [x, y])).map(|point| variance.value(&point));

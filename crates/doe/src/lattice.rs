@@ -3,6 +3,7 @@
 use design_space::{Combinations, coded_level};
 use rayon::prelude::*;
 
+use crate::nested::{MOST_STORED, Nested};
 use crate::shape::{Axis, BoxShape, spread};
 use crate::{PredictionVariance, polynomial};
 
@@ -105,8 +106,22 @@ impl Lattice {
         self.allowed.as_ref().is_none_or(|allowed| allowed[index])
     }
 
-    /// v at every point, line by line; forbidden points at minus infinity.
+    /// v at every point; forbidden points at minus infinity.
     pub(crate) fn values(&self, variance: &PredictionVariance) -> Vec<f64> {
+        self.values_beyond(variance, MOST_STORED)
+    }
+
+    /// The same, line by line where points times monomials are up to `most`, and axis by axis beyond.
+    fn values_beyond(&self, variance: &PredictionVariance, most: usize) -> Vec<f64> {
+        if self.n_points().saturating_mul(variance.products().n_monomials()) > most {
+            let mut values = Vec::new();
+            Nested::of(variance.products(), self.levels.clone()).values(variance.coefficients(), &mut values);
+            if let Some(allowed) = &self.allowed {
+                let forbidden = values.iter_mut().zip(allowed).filter(|(_, allowed)| !**allowed);
+                forbidden.for_each(|(value, _)| *value = f64::NEG_INFINITY);
+            }
+            return values;
+        }
         let last = self.levels.len() - 1;
         let levels = &self.levels[last];
         let mut values = vec![0.0; self.n_points()];
@@ -168,6 +183,22 @@ pub(crate) fn level_values(axis: &Axis) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_line_by_line_and_axis_by_axis_are_the_same() {
+        let corner = crate::Forbidden::new(vec![Some([0.2, 1.0]), Some([-1.0, -0.3])]).expect("a box");
+        let shape = BoxShape { axes: vec![Axis::Continuous; 2], forbidden: vec![corner] };
+        let runs = [[-1.0, -1.0], [1.0, -0.9], [-0.8, 1.0], [1.0, 1.0], [0.2, -1.0], [-0.1, 1.0], [-1.0, 0.3]];
+        let design = crate::Design::from_runs(&runs).expect("a design");
+        let model = crate::Model::quadratic(2).expect("a model");
+        let variance = PredictionVariance::of(&model, &design).expect("not singular");
+        let lattice = Lattice::with_levels(&shape, 7);
+        let [lines, nested] = [usize::MAX, 0].map(|most| lattice.values_beyond(&variance, most));
+        assert_eq!(lines.len(), nested.len());
+        let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || (a - b).abs() < 1e-12 * a.abs();
+        assert!(lines.iter().zip(&nested).all(same), "{lines:?} and {nested:?}");
+        assert!(nested.contains(&f64::NEG_INFINITY), "some are forbidden");
+    }
 
     /// An odd number of levels, so that the middle is among them, and no more points than asked for.
     #[test]

@@ -14,6 +14,7 @@ mod lattice;
 mod matrix;
 mod maximum;
 mod measure;
+mod nested;
 mod polynomial;
 mod products;
 mod same;

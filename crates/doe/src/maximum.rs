@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::ascent::{best_level, climb};
 use crate::lattice::{Lattice, level_values};
+use crate::nested::{MOST_STORED, Nested};
 use crate::shape::{BoxShape, List, Shape};
 use crate::{Error, Over, PredictionVariance, Space};
 
@@ -82,26 +83,40 @@ fn over(variance: &PredictionVariance, space: &Space) -> Maximum {
                 Maximum { value, at, over, method: Method::Scan { n_points } }
             }
             _ => {
-                let (at, value, method) = ascents(variance, shape, LATTICE);
+                let (at, value, method) = ascents(variance, shape, LATTICE, &|| false);
                 Maximum { value, at, over, method }
             }
         },
     }
 }
 
-/// The highest maximum from a lattice of moderate size, for use within a search.
-pub(crate) fn highest(variance: &PredictionVariance, shape: &BoxShape) -> (Vec<f64>, f64) {
-    let (at, value, _) = ascents(variance, shape, LATTICE / 8);
+/// The highest maximum from a lattice of moderate size, for use within a search; once `is_over` says so no further ascent
+/// begins, and points of the lattice count as they are.
+pub(crate) fn highest(
+    variance: &PredictionVariance,
+    shape: &BoxShape,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> (Vec<f64>, f64) {
+    let (at, value, _) = ascents(variance, shape, LATTICE / 8, is_over);
     (at, value)
 }
 
-fn ascents(variance: &PredictionVariance, shape: &BoxShape, most: usize) -> (Vec<f64>, f64, Method) {
+fn ascents(
+    variance: &PredictionVariance,
+    shape: &BoxShape,
+    most: usize,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> (Vec<f64>, f64, Method) {
     let lattice = Lattice::of(shape, most, |axis| variance.is_convex_along(axis));
     let values = lattice.values(variance);
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let starts = lattice.local_maxima(&values, PROMISING * highest, MOST_STARTS);
     let method = Method::Ascent { n_lattice: lattice.n_points(), n_starts: starts.len() };
-    let climbed = starts.par_iter().map(|&start| climb(variance, shape, &lattice.point(start)));
+    let ascent = |&start: &usize| match is_over() {
+        true => (lattice.point(start), values[start]),
+        false => climb(variance, shape, &lattice.point(start)),
+    };
+    let climbed = starts.par_iter().map(ascent);
     let best = climbed.collect::<Vec<_>>().into_iter().reduce(|a, b| if b.1 > a.1 { b } else { a });
     let (at, value) = best.unwrap_or_else(|| (vec![f64::NAN; shape.axes.len()], f64::NAN));
     (at, value, method)
@@ -130,8 +145,38 @@ fn higher(a: (usize, f64), b: (usize, f64)) -> (usize, f64) {
     if b.1 > a.1 || b.1 >= a.1 && b.0 < a.0 { b } else { a }
 }
 
-/// Line by line along the last axis, where v is a polynomial of one variable.
+/// The highest of all points: line by line, or axis by axis where lines times monomials are many.
 fn scan_grid(variance: &PredictionVariance, shape: &BoxShape) -> (Vec<f64>, f64) {
+    let last = shape.axes.len() - 1;
+    let n_lines: usize = shape.axes[..last].iter().map(|axis| level_values(axis).len()).product();
+    if n_lines.saturating_mul(variance.products().n_monomials()) > MOST_STORED {
+        scan_by_axes(variance, shape)
+    } else {
+        scan_by_lines(variance, shape)
+    }
+}
+
+/// In parts of the grid, each of which is at hand as a whole.
+fn scan_by_axes(variance: &PredictionVariance, shape: &BoxShape) -> (Vec<f64>, f64) {
+    const PART: usize = 1 << 16;
+    let grid = Lattice::whole(shape);
+    let mut best: (Vec<f64>, f64) = (vec![f64::NAN; shape.axes.len()], f64::NEG_INFINITY);
+    Nested::of(variance.products(), grid.levels().to_vec()).parts(variance.coefficients(), PART, |first, values| {
+        for (index, &value) in (first..).zip(values) {
+            if value > best.1 {
+                let point = grid.point(index);
+                if !shape.forbids(&point) {
+                    best = (point, value);
+                }
+            }
+        }
+    });
+    let value = variance.value(&best.0);
+    (best.0, value)
+}
+
+/// Along the last axis, where v is a polynomial of one variable.
+fn scan_by_lines(variance: &PredictionVariance, shape: &BoxShape) -> (Vec<f64>, f64) {
     let last = shape.axes.len() - 1;
     let lattice = Lattice::new(shape.axes[..last].iter().map(level_values).collect());
     let levels = level_values(&shape.axes[last]);
@@ -149,4 +194,27 @@ fn scan_grid(variance: &PredictionVariance, shape: &BoxShape) -> (Vec<f64>, f64)
     let mut at = lattice.point(index);
     at.push(x);
     (at, value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Axis, Design, Forbidden, Model};
+
+    #[test]
+    fn a_grid_scanned_by_lines_and_by_axes_has_the_same_highest_point() {
+        let runs = [[-1.0, -1.0], [1.0, -0.9], [-0.8, 1.0], [1.0, 1.0], [0.2, -1.0], [-0.1, 1.0], [-1.0, 0.3]];
+        let design = Design::from_runs(&runs).expect("a design");
+        let variance = PredictionVariance::of(&Model::quadratic(2).expect("a model"), &design).expect("not singular");
+        let axes = vec![Axis::equally_spaced(9).expect("levels"), Axis::equally_spaced(7).expect("levels")];
+        let mut forbidden = Vec::new();
+        // The highest point is forbidden again and again.
+        for _ in 0..20 {
+            let shape = BoxShape { axes: axes.clone(), forbidden: forbidden.clone() };
+            let (lines, whole) = (scan_by_lines(&variance, &shape), scan_by_axes(&variance, &shape));
+            assert_eq!(lines.0, whole.0, "{} and {}", lines.1, whole.1);
+            assert!((lines.1 - whole.1).abs() < 1e-12 * lines.1, "{} is not {}", lines.1, whole.1);
+            forbidden.push(Forbidden::new(lines.0.iter().map(|&x| Some([x, x])).collect()).expect("a point"));
+        }
+    }
 }

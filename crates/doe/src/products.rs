@@ -12,6 +12,10 @@ pub(crate) struct Products {
     pub(crate) n_terms: usize,
     /// n_monomials × n_factors.
     exponents: Vec<u8>,
+    /// Axis and exponent of every power above the zeroth, monomial after monomial.
+    factors: Vec<(u8, u8)>,
+    /// Where those of each monomial end.
+    ends: Vec<usize>,
     /// Monomial of each pair (i, j ≥ i), row by row of the upper triangle.
     pairs: Vec<u32>,
     /// Largest exponent in any product.
@@ -35,7 +39,12 @@ impl Products {
             }
         }
         let largest = exponents.iter().copied().max().map_or(0, usize::from);
-        Self { n_factors: model.n_factors(), n_terms: model.n_terms(), exponents, pairs, largest }
+        let (mut factors, mut ends) = (Vec::new(), Vec::new());
+        for exponents in exponents.chunks_exact(model.n_factors()) {
+            factors.extend((0..).zip(exponents).filter(|(_, exponent)| **exponent > 0).map(|(axis, &e)| (axis, e)));
+            ends.push(factors.len());
+        }
+        Self { n_factors: model.n_factors(), n_terms: model.n_terms(), exponents, factors, ends, pairs, largest }
     }
 
     /// Whether v is convex along an axis, with its maxima at the ends: where every term is linear in that factor, v is the
@@ -50,6 +59,21 @@ impl Products {
 
     pub(crate) fn monomials(&self) -> std::slice::ChunksExact<'_, u8> {
         self.exponents.chunks_exact(self.n_factors)
+    }
+
+    /// Axis and exponent of every power above the zeroth, monomial after monomial, and where those of each end.
+    pub(crate) fn sparse(&self) -> (&[(u8, u8)], &[usize]) {
+        (&self.factors, &self.ends)
+    }
+
+    /// For every monomial axis and exponent of its powers above the zeroth.
+    pub(crate) fn powers(&self) -> impl Iterator<Item = &[(u8, u8)]> {
+        let mut begin = 0;
+        self.ends.iter().map(move |&end| {
+            let powers = &self.factors[begin..end];
+            begin = end;
+            powers
+        })
     }
 
     /// Coefficients of x ↦ r(x)' D r(x) for a symmetric p × p matrix D.

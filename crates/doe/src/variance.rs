@@ -95,6 +95,11 @@ impl PredictionVariance {
         self.products.n_factors
     }
 
+    /// The monomials that products of two terms consist of.
+    pub(crate) fn products(&self) -> &Products {
+        &self.products
+    }
+
     /// Coefficients of the monomials that products of two terms consist of.
     pub(crate) fn coefficients(&self) -> &[f64] {
         &self.coefficients
@@ -106,11 +111,11 @@ impl PredictionVariance {
     }
 
     pub(crate) fn value(&self, point: &[f64]) -> f64 {
-        let mut powers = [[0.0; 17]; Model::MOST_FACTORS];
-        self.fill_powers(point, &mut powers);
-        let monomials = self.products.monomials().zip(&self.coefficients);
-        let term = |(exponents, c): (&[u8], &f64)| {
-            exponents.iter().zip(&powers).fold(*c, |product, (&e, powers)| product * powers[usize::from(e)])
+        let mut table = [[0.0; 17]; Model::MOST_FACTORS];
+        self.fill_powers(point, &mut table);
+        let monomials = self.products.powers().zip(&self.coefficients);
+        let term = |(powers, c): (&[(u8, u8)], &f64)| {
+            powers.iter().fold(*c, |product, &(axis, e)| product * table[usize::from(axis)][usize::from(e)])
         };
         monomials.map(term).sum()
     }
@@ -118,14 +123,8 @@ impl PredictionVariance {
     /// v at many coded points, one after the other in `points`: each to the bit as [`Self::value`] has it.
     pub(crate) fn fill_values(&self, points: &[f64], values: &mut [f64]) {
         let k = self.n_factors();
-        let factors: Vec<(u8, u8)> = self.products.monomials().flat_map(powers_above_zero).collect();
-        let mut ends = Vec::with_capacity(self.coefficients.len());
-        let mut end = 0;
-        for exponents in self.products.monomials() {
-            end += powers_above_zero(exponents).count();
-            ends.push(end);
-        }
-        let monomials = Sparse { coefficients: &self.coefficients, factors: &factors, ends: &ends };
+        let (factors, ends) = self.products.sparse();
+        let monomials = Sparse { coefficients: &self.coefficients, factors, ends };
         let mut powers = vec![[1.0; LANES]; k * (self.largest_power() + 1)];
         let (blocks, rest) = values.as_chunks_mut::<LANES>();
         let (in_blocks, of_rest) = points.split_at((blocks.len() * LANES * k).min(points.len()));
@@ -137,39 +136,41 @@ impl PredictionVariance {
 
     /// Coefficients of v along one axis through a point, from the constant up.
     pub(crate) fn along(&self, point: &[f64], axis: usize, line: &mut [f64]) {
-        let mut powers = [[0.0; 17]; Model::MOST_FACTORS];
-        self.fill_powers(point, &mut powers);
-        powers[axis] = [1.0; 17];
+        let mut table = [[0.0; 17]; Model::MOST_FACTORS];
+        self.fill_powers(point, &mut table);
         line.fill(0.0);
-        for (exponents, c) in self.products.monomials().zip(&self.coefficients) {
-            let product =
-                exponents.iter().zip(&powers).fold(*c, |product, (&e, powers)| product * powers[usize::from(e)]);
-            line[usize::from(exponents[axis])] += product;
+        for (powers, c) in self.products.powers().zip(&self.coefficients) {
+            let (mut product, mut power) = (*c, 0);
+            for &(other, e) in powers {
+                if usize::from(other) == axis {
+                    power = usize::from(e);
+                } else {
+                    product *= table[usize::from(other)][usize::from(e)];
+                }
+            }
+            line[power] += product;
         }
     }
 
     /// ∂²v/∂xᵢ∂xⱼ at a point.
     pub(crate) fn second(&self, point: &[f64], i: usize, j: usize) -> f64 {
-        let mut powers = [[0.0; 17]; Model::MOST_FACTORS];
-        self.fill_powers(point, &mut powers);
-        let term = |(exponents, c): (&[u8], &f64)| {
-            let mut lowered = [0_u8; Model::MOST_FACTORS];
-            lowered[..exponents.len()].copy_from_slice(exponents);
-            let mut product = *c;
-            for axis in [i, j] {
-                if lowered[axis] == 0 {
-                    return 0.0;
-                }
-                product *= f64::from(lowered[axis]);
-                lowered[axis] -= 1;
+        let mut table = [[0.0; 17]; Model::MOST_FACTORS];
+        self.fill_powers(point, &mut table);
+        let term = |(powers, c): (&[(u8, u8)], &f64)| {
+            let exponent =
+                |axis: usize| powers.iter().find(|power| usize::from(power.0) == axis).map_or(0, |power| power.1);
+            // The second derivative along an axis lowers its exponent by two, one after the other.
+            let (first, second) = (exponent(i), exponent(j) - u8::from(i == j).min(exponent(j)));
+            if first == 0 || second == 0 {
+                return 0.0;
             }
-            lowered
-                .iter()
-                .zip(&powers)
-                .take(exponents.len())
-                .fold(product, |product, (&e, powers)| product * powers[usize::from(e)])
+            let lowered = |&(axis, e): &(u8, u8)| {
+                let by = u8::from(usize::from(axis) == i) + u8::from(usize::from(axis) == j);
+                table[usize::from(axis)][usize::from(e - by)]
+            };
+            powers.iter().map(lowered).fold(*c * f64::from(first) * f64::from(second), |product, power| product * power)
         };
-        self.products.monomials().zip(&self.coefficients).map(term).sum()
+        self.products.powers().zip(&self.coefficients).map(term).sum()
     }
 
     fn fill_powers(&self, point: &[f64], powers: &mut [[f64; 17]; Model::MOST_FACTORS]) {
@@ -201,10 +202,6 @@ struct Sparse<'a> {
     factors: &'a [(u8, u8)],
     /// Where those of each monomial end.
     ends: &'a [usize],
-}
-
-fn powers_above_zero(exponents: &[u8]) -> impl Iterator<Item = (u8, u8)> {
-    (0..).zip(exponents).filter(|(_, exponent)| **exponent > 0).map(|(axis, &exponent)| (axis, exponent))
 }
 
 /// A block of points at a time; `powers` has a row per axis and power, of which the first, 1, is there already.

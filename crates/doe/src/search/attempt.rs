@@ -23,6 +23,24 @@ pub(crate) enum Attempt {
     },
 }
 
+/// What became of a design that was to be taken to its local optimum.
+#[derive(Debug, Clone)]
+pub(crate) enum Refinement {
+    /// With free runs at x, or as far as they came before the search was over, and the logarithm of the criterion there.
+    Reached { x: Vec<f64>, value: f64 },
+    /// The search was over before the value of the design was known: it is what the start made of it.
+    Unjudged,
+    /// It is singular, or not worth it.
+    Failed,
+}
+
+impl Refinement {
+    /// What was reached, or failure.
+    pub(crate) fn of(reached: Option<(Vec<f64>, f64)>) -> Self {
+        reached.map_or(Self::Failed, |(x, value)| Self::Reached { x, value })
+    }
+}
+
 /// A start further behind the best before refinement is not refined, nor are more than so many of a round.
 pub(crate) const WORTH_REFINING: (f64, usize) = (0.004, 2);
 
@@ -36,7 +54,6 @@ pub(crate) trait Designer: Sync {
         WORTH_REFINING
     }
 
-    /// A design taken to its local optimum, or as far as it comes until `is_over`, with its value; none if it is
-    /// singular or not worth it.
-    fn refine(&self, x: Vec<f64>, value: f64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)>;
+    /// A design taken to its local optimum, or as far as it comes until `is_over`.
+    fn refine(&self, x: Vec<f64>, value: f64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Refinement;
 }

@@ -22,7 +22,7 @@ const MEMORY: usize = 12;
 
 /// Projected limited-memory BFGS: variables that press against a bound are held, the rest move along the
 /// quasi-Newton direction, and the step is bent back into the bounds. x is improved in place, until `is_over` says so
-/// between two iterations; its value is returned.
+/// between two evaluations; its value is returned.
 pub(crate) fn minimize(
     objective: &mut impl Objective,
     x: &mut [f64],
@@ -62,7 +62,10 @@ pub(crate) fn minimize(
         }
         // Backtracking on the bent path.
         let mut accepted = None;
-        for _ in 0..20 {
+        for tried in 0..20 {
+            if tried > 0 && is_over() {
+                return value;
+            }
             for i in 0..n {
                 trial[i] = (x[i] + step * direction[i]).clamp(lower[i], upper[i]);
             }
@@ -156,6 +159,31 @@ mod tests {
         let limits = Limits { iterations: 200, improvement: 1e-16 };
         let value = minimize(&mut Valley, &mut x, (&[-2.0; 2], &[0.5, 2.0]), limits, &|| false);
         assert!((value - 0.25).abs() < 1e-9 && (x[1] - 0.25).abs() < 1e-4, "{x:?}");
+    }
+
+    /// Rosenbrock's valley, and how often it was asked for.
+    struct Counted(std::sync::atomic::AtomicUsize);
+
+    impl Objective for &Counted {
+        fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+            self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            Valley.evaluate(x, gradient)
+        }
+    }
+
+    /// With many factors an evaluation is what takes long, and one iteration may need twenty.
+    #[test]
+    fn nothing_is_evaluated_once_it_is_over() {
+        let limits = Limits { iterations: 200, improvement: 1e-16 };
+        for last in 1..50 {
+            let counted = Counted(0.into());
+            let made = || counted.0.load(std::sync::atomic::Ordering::Relaxed);
+            let mut x = [-1.2, 1.0];
+            let value = minimize(&mut &counted, &mut x, (&[-2.0; 2], &[2.0; 2]), limits, &|| made() >= last);
+            assert_eq!(made(), last, "evaluations");
+            let at_x = Valley.evaluate(&x, &mut [0.0; 2]);
+            assert_eq!(value.to_bits(), at_x.to_bits(), "the value is that at x after {last} evaluations");
+        }
     }
 
     /// c/2 · (x − a)², and how often it was asked for.

@@ -7,11 +7,11 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 
-use super::nested::Nested;
 use super::runs::Regressors;
 use crate::PredictionVariance;
 use crate::lattice::Lattice;
 use crate::measure::Measure;
+use crate::nested::Nested;
 use crate::products::Products;
 use crate::shape::{BoxShape, List};
 

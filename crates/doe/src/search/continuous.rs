@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use super::attempt::Attempt;
+use super::attempt::{Attempt, Refinement};
 use super::bounded::{self, Objective as _, minimize};
 use super::ending::IsOver;
 use super::frame::{Frame, lattice};
@@ -101,18 +101,13 @@ impl Continuous<'_> {
         Attempt::Found { x: x.to_vec(), value, stages }
     }
 
-    /// The design of a start taken to its local optimum, or as far as it comes until `is_over`; none if it is singular.
-    pub(crate) fn refine(
-        &self,
-        mut x: Vec<f64>,
-        incumbents: &Incumbents,
-        is_over: IsOver<'_>,
-    ) -> Option<(Vec<f64>, f64)> {
+    /// The design of a start taken to its local optimum, or as far as it comes until `is_over`.
+    pub(crate) fn refine(&self, mut x: Vec<f64>, incumbents: &Incumbents, is_over: IsOver<'_>) -> Refinement {
         if self.frame.criterion != Criterion::G {
             let mut smooth = Smooth::new(self.frame, LAST_LOG_Q);
             let mut gradient = vec![0.0; x.len()];
             let value = smooth.evaluate(&x, &mut gradient);
-            return value.is_finite().then_some((x, value));
+            return Refinement::of(value.is_finite().then_some((x, value)));
         }
         let best = incumbents.best_log_value();
         let (lower, upper) = bounds(self.shape, &x);
@@ -124,12 +119,15 @@ impl Continuous<'_> {
         let is_worth = |made: usize, value: f64| value.ln() < best + BEHIND_REFINED / (1.0 + made as f64).sqrt();
         let mut value = f64::INFINITY;
         for _ in 0..MOST_CHECKS {
-            value = polish(&mut peaks, &mut x, (&lower, &upper), limits, is_worth, is_over);
-            if !value.is_finite() {
-                return None;
-            }
+            value = match polish(&mut peaks, &mut x, (&lower, &upper), limits, is_worth, is_over) {
+                Some(value) if value.is_finite() => value,
+                Some(_) => return Refinement::Failed,
+                None if value.is_finite() => break,
+                None => return Refinement::Unjudged,
+            };
             // A finer lattice may know a higher maximum; then it takes part in a further polish.
-            let (at, highest) = highest(peaks.variance(), self.judged);
+            peaks.look(&x);
+            let (at, highest) = highest(peaks.variance(), self.judged, is_over);
             if highest <= value * (1.0 + 1e-9) {
                 break;
             }
@@ -139,13 +137,16 @@ impl Continuous<'_> {
                 break;
             }
         }
-        Some((x, value.ln()))
+        Refinement::Reached { x, value: value.ln() }
     }
 
     /// Any design taken to its local optimum; none if it is singular.
     pub(crate) fn taken_down(&self, mut x: Vec<f64>, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
         if self.frame.criterion == Criterion::G {
-            return self.refine(x, &Incumbents::default(), is_over);
+            return match self.refine(x, &Incumbents::default(), is_over) {
+                Refinement::Reached { x, value } => Some((x, value)),
+                Refinement::Unjudged | Refinement::Failed => None,
+            };
         }
         let (lower, upper) = bounds(self.shape, &x);
         match self.descend(&mut x, (&lower, &upper), is_over) {
@@ -168,7 +169,7 @@ impl Continuous<'_> {
             let mut peaks = Peaks::on_levels(self.frame, shape, &lattice);
             let is_checked = self.effort == Effort::Thorough;
             let limits = polish::Limits { steps: 60, radius: 0.02, least_radius: 1e-8, is_checked };
-            let value = polish(&mut peaks, &mut x, (&lower, &upper), limits, |_, _| true, is_over);
+            let value = polish(&mut peaks, &mut x, (&lower, &upper), limits, |_, _| true, is_over)?;
             return value.is_finite().then(|| (x, value.ln()));
         }
         let mut smooth = Smooth::new(self.frame, LAST_LOG_Q);

@@ -11,7 +11,6 @@ mod frame;
 mod gridded;
 mod incumbents;
 mod minimax_step;
-mod nested;
 mod over_box;
 mod over_grid;
 mod over_list;
@@ -69,8 +68,9 @@ impl std::fmt::Debug for Watch<'_> {
 /// An offered exchange is given up at the first block of the working set that shows it to be worse.
 /// The scan fixes the coordinates axis by axis, which leaves a polynomial of one variable on each line of the grid: about four products and sums a point.
 /// Of a grid of more than 16 million points the longest axes are searched with fewer levels, evenly spread, and above 50 million the worst prediction is found by ascent instead of a scan: what runs are chosen from changes, what an efficiency is over does not.
+/// Lattices of many factors, of more than 33 million points times monomials, are computed axis by axis each time and not stored.
 /// A list that fills at least an eighth of a grid of its own levels is scanned in the same way; any other one by the quadratic form at every point.
-/// A time limit or an interrupt ends starts on their way, which are dropped unless there is nothing else, and refinements, which keep what they have reached.
+/// A time limit or an interrupt ends starts on their way, which are dropped unless there is nothing else, and refinements, which keep what they have reached; both ask for it before every evaluation and every ascent to a maximum.
 ///
 /// # How fast, and how good
 ///

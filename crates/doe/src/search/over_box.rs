@@ -2,7 +2,7 @@
 
 use rand_pcg::Pcg64;
 
-use super::attempt::{Attempt, Designer};
+use super::attempt::{Attempt, Designer, Refinement};
 use super::continuous::Continuous;
 use super::ending::IsOver;
 use super::frame::{Frame, judged_lattice};
@@ -78,13 +78,7 @@ impl Designer for Continuous<'_> {
         self.start(generator, incumbents, is_over)
     }
 
-    fn refine(
-        &self,
-        x: Vec<f64>,
-        _value: f64,
-        incumbents: &Incumbents,
-        is_over: IsOver<'_>,
-    ) -> Option<(Vec<f64>, f64)> {
+    fn refine(&self, x: Vec<f64>, _value: f64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Refinement {
         self.refine(x, incumbents, is_over)
     }
 }

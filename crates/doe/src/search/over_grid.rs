@@ -3,7 +3,7 @@
 
 use rand_pcg::Pcg64;
 
-use super::attempt::{Attempt, Designer, WORTH_REFINING};
+use super::attempt::{Attempt, Designer, Refinement, WORTH_REFINING};
 use super::candidates::Candidates;
 use super::continuous::Continuous;
 use super::ending::IsOver;
@@ -91,9 +91,9 @@ impl Designer for Gridded<'_> {
         if self.n_tries > 1 { MIXED_WORTH_REFINING } else { WORTH_REFINING }
     }
 
-    fn refine(&self, x: Vec<f64>, value: f64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
+    fn refine(&self, x: Vec<f64>, value: f64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Refinement {
         match &self.off_grid {
-            None => Some((x, value)),
+            None => Refinement::Reached { x, value },
             Some(off_grid) => off_grid.refine(x, incumbents, is_over),
         }
     }
@@ -101,17 +101,26 @@ impl Designer for Gridded<'_> {
 
 impl OffGrid<'_> {
     /// The design moved off the grid if that is better and keeps to the rule for replicates, else as it is.
-    fn refine(&self, x: Vec<f64>, incumbents: &Incumbents, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
-        let value = self.score(&x)?;
-        let moved = if self.shape.is_continuous() {
+    fn refine(&self, x: Vec<f64>, incumbents: &Incumbents, is_over: IsOver<'_>) -> Refinement {
+        // A score takes what a scan of the space takes, with many factors a second.
+        if is_over() {
+            return Refinement::Unjudged;
+        }
+        let Some(value) = self.score(&x) else {
+            return Refinement::Failed;
+        };
+        let refinement = if self.shape.is_continuous() {
             self.polish.refine(x.clone(), incumbents, is_over)
         } else {
-            self.polish.on_levels(self.shape, x.clone(), is_over)
+            Refinement::of(self.polish.on_levels(self.shape, x.clone(), is_over))
         };
-        let moved = moved.map(|(moved, _)| moved).filter(|moved| self.problem.keeps_replicates(moved));
+        let moved = match refinement {
+            Refinement::Reached { x, .. } => Some(x).filter(|moved| self.problem.keeps_replicates(moved)),
+            Refinement::Unjudged | Refinement::Failed => None,
+        };
         match moved.and_then(|moved| Some((self.score(&moved)?, moved))) {
-            Some((better, moved)) if better < value => Some((moved, better)),
-            _ => Some((x, value)),
+            Some((better, moved)) if better < value => Refinement::Reached { x: moved, value: better },
+            _ => Refinement::Reached { x, value },
         }
     }
 
@@ -195,8 +204,11 @@ mod tests {
                 let design = problem.design(x).unwrap();
                 problem.criterion().efficiency(problem.model(), problem.space(), &design).unwrap().percent
             };
-            let (moved, value) = off_grid.refine(x.clone(), &Incumbents::default(), &|| false).unwrap();
+            let refinement = off_grid.refine(x.clone(), &Incumbents::default(), &|| false);
+            let Refinement::Reached { x: moved, value } = refinement else { panic!("{refinement:?}") };
             assert!((problem.percent(value) - percent(&moved)).abs() < 1e-9, "{value}");
+            let over = off_grid.refine(x.clone(), &Incumbents::default(), &|| true);
+            assert!(matches!(over, Refinement::Unjudged), "nothing is scored once the search is over: {over:?}");
             assert!(percent(&moved) > percent(&x) + 0.01, "{} of {}", percent(&moved), percent(&x));
         });
     }

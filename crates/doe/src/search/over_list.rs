@@ -2,7 +2,7 @@
 
 use rand_pcg::Pcg64;
 
-use super::attempt::{Attempt, Designer};
+use super::attempt::{Attempt, Designer, Refinement};
 use super::candidates::Candidates;
 use super::continuous::Continuous;
 use super::ending::IsOver;
@@ -12,13 +12,11 @@ use super::incumbents::Incumbents;
 use super::problem::{Problem, Replicates};
 use super::settings::Effort;
 use super::starts::{Outcome, Runner};
+use crate::nested::MOST_STORED;
 use crate::products::Products;
 use crate::same::SAME_RUN;
 use crate::shape::{Axis, BoxShape, List};
 use crate::{Criterion, Error};
-
-/// Monomials on all points of the cube's lattice, of which a search keeps a few copies: 128 MB each.
-const MOST_VALUES: usize = 1 << 24;
 
 /// What was found, and the index of the candidate that each distinct free run is.
 ///
@@ -30,10 +28,10 @@ pub(crate) fn over_list(problem: &Problem, list: &List, runner: Runner<'_>) -> R
     let map = |point: &[f64]| stretch.map(point);
     let stretched = List { n_factors: k, coordinates: list.points().flat_map(map).collect() };
     let cube = BoxShape { axes: vec![Axis::Continuous; k], forbidden: Vec::new() };
-    // Where the cube's lattice would fill the memory, the list is searched for itself.
+    // Where the cube's lattice is that large, the list is searched for itself.
     let products = Products::of(problem.model());
     let n_values = lattice(&cube, &products).n_points().saturating_mul(products.n_monomials());
-    let is_boxed = (stretch.fills || stretch.stretches) && n_values <= MOST_VALUES;
+    let is_boxed = (stretch.fills || stretch.stretches) && n_values <= MOST_STORED;
     let frame = Frame::of(problem, is_boxed.then_some(&cube), runner.least_log_determinant, &map)?;
     let lattice = lattice(&cube, &frame.products);
     let relaxed = Continuous { frame: &frame, shape: &cube, judged: &cube, lattice: &lattice, effort: Effort::Quick };
@@ -100,7 +98,7 @@ impl Designer for Listed<'_> {
         self.search.start(generator, incumbents, is_over)
     }
 
-    fn refine(&self, x: Vec<f64>, value: f64, _: &Incumbents, _: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
-        Some((x, value))
+    fn refine(&self, x: Vec<f64>, value: f64, _: &Incumbents, _: IsOver<'_>) -> Refinement {
+        Refinement::Reached { x, value }
     }
 }

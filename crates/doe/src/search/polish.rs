@@ -49,6 +49,8 @@ pub(crate) struct Peaks<'a> {
     variance: PredictionVariance,
     /// The last maxima: they start the next ascents too.
     known: Vec<Vec<f64>>,
+    /// Whether the search was over before all maxima were climbed to.
+    was_cut: bool,
 }
 
 impl<'a> Peaks<'a> {
@@ -65,7 +67,7 @@ impl<'a> Peaks<'a> {
         let matrices = Matrices::new(p);
         let variance = PredictionVariance::with_products(frame.products.clone(), &matrices.inverse);
         let rows = vec![0.0; frame.multiplicities.len() * p];
-        Self { frame, shape, lattice, table: None, rows, matrices, variance, known: Vec::new() }
+        Self { frame, shape, lattice, table: None, rows, matrices, variance, known: Vec::new(), was_cut: false }
     }
 
     /// v of the design last looked at.
@@ -78,10 +80,18 @@ impl<'a> Peaks<'a> {
         self.known.push(point);
     }
 
-    /// Maxima as points with their heights, the highest first.
-    pub(crate) fn at(&mut self, x: &[f64]) -> Option<Vec<(Vec<f64>, f64)>> {
+    /// Looks at the design with runs at x; nothing if it is singular.
+    pub(crate) fn look(&mut self, x: &[f64]) -> Option<()> {
         self.frame.invert(x, &mut self.rows, &mut self.matrices)?;
         self.variance.update(&self.matrices.inverse);
+        Some(())
+    }
+
+    /// Maxima as points with their heights, the highest first. Once `is_over` says so, which is asked before each ascent, points
+    /// of the lattice stand for the maxima above them.
+    pub(crate) fn at(&mut self, x: &[f64], is_over: IsOver<'_>) -> Option<Vec<(Vec<f64>, f64)>> {
+        self.was_cut = false;
+        self.look(x)?;
         let values = match self.table {
             Some(table) => {
                 let (mut folded, mut values) = (Vec::new(), Vec::new());
@@ -97,7 +107,13 @@ impl<'a> Peaks<'a> {
         let starts = starts.into_iter().map(|index| self.lattice.point(index));
         let mut peaks: Vec<(Vec<f64>, f64)> = Vec::new();
         for start in starts.chain(std::mem::take(&mut self.known)) {
-            let peak = climb(&self.variance, self.shape, &start);
+            self.was_cut = self.was_cut || is_over();
+            let peak = if self.was_cut {
+                let height = self.variance.value(&start);
+                (start, height)
+            } else {
+                climb(&self.variance, self.shape, &start)
+            };
             let near = |other: &(Vec<f64>, f64)| other.0.iter().zip(&peak.0).all(|(a, b)| (a - b).abs() < SAME_MAXIMUM);
             if !peaks.iter().any(near) {
                 peaks.push(peak);
@@ -112,16 +128,20 @@ impl<'a> Peaks<'a> {
     }
 
     /// As [`at`](Self::at), checked: where a finer lattice knows a higher maximum, it takes part.
-    fn checked(&mut self, x: &[f64]) -> Option<Vec<(Vec<f64>, f64)>> {
+    fn checked(&mut self, x: &[f64], is_over: IsOver<'_>) -> Option<Vec<(Vec<f64>, f64)>> {
         const MOST: usize = 4;
-        let mut peaks = self.at(x)?;
+        let mut peaks = self.at(x, is_over)?;
         for _ in 0..MOST {
-            let (at, height) = highest(&self.variance, self.shape);
+            if self.was_cut {
+                break;
+            }
+            let (at, height) = highest(&self.variance, self.shape, is_over);
+            self.was_cut = is_over();
             if height <= peaks[0].1 * (1.0 + OVERLOOKED) {
                 break;
             }
             self.also(at);
-            peaks = self.at(x)?;
+            peaks = self.at(x, is_over)?;
         }
         Some(peaks)
     }
@@ -170,7 +190,8 @@ const WORTH_AGAIN: f64 = 1e-7;
 
 /// Improves x in place by [`descend`]; returns the largest v. A checked polish begins anew, with a wide radius and a memory
 /// for all maxima met so far, in turn without a curvature and with it, until both gain nothing: maxima that were unknown or
-/// forgotten make a radius small long before the optimum, and so does a curvature where many maxima tie.
+/// forgotten make a radius small long before the optimum, and so does a curvature where many maxima tie. None if the search
+/// was over before the largest v at x was known.
 pub(crate) fn polish(
     peaks: &mut Peaks<'_>,
     x: &mut [f64],
@@ -178,16 +199,21 @@ pub(crate) fn polish(
     limits: Limits,
     is_worth: impl Fn(usize, f64) -> bool,
     is_over: IsOver<'_>,
-) -> f64 {
+) -> Option<f64> {
     let mut pool: Vec<Met> = Vec::new();
-    let mut value = descend(peaks, x, bounds, (Way::First, limits), &mut pool, (&is_worth, is_over));
+    let mut value = descend(peaks, x, bounds, (Way::First, limits), &mut pool, (&is_worth, is_over))?;
     if !limits.is_checked || !value.is_finite() || !is_worth(limits.steps, value) {
-        return value;
+        return Some(value);
     }
     let mut in_vain = 0;
     for way in [Way::Linear, Way::Curved].into_iter().cycle().take(MOST_AGAIN) {
+        if is_over() {
+            break;
+        }
         let (mut again, known) = (x.to_vec(), peaks.known.clone());
-        let better = descend(peaks, &mut again, bounds, (way, limits), &mut pool, (&is_worth, is_over));
+        let Some(better) = descend(peaks, &mut again, bounds, (way, limits), &mut pool, (&is_worth, is_over)) else {
+            break;
+        };
         if better <= value * (1.0 - WORTH_AGAIN) {
             x.copy_from_slice(&again);
             value = better;
@@ -195,19 +221,19 @@ pub(crate) fn polish(
             continue;
         }
         peaks.known = known;
-        peaks.at(x);
+        peaks.at(x, is_over);
         in_vain += 1;
         if in_vain == 2 {
             break;
         }
     }
-    value
+    Some(value)
 }
 
 /// Improves x in place by steps that lower all near-active maxima at once: min t + d'Hd/2 with v_j + g_j · d ≤ t within
 /// a radius that grows where the maxima move as predicted; H is the curvature of the maxima weighted by their
 /// multipliers. Goes on while `is_worth` says so of the number of steps made and the largest v, and until `is_over` does;
-/// returns the largest v.
+/// returns the largest v, none if the search is over before that is known.
 fn descend(
     peaks: &mut Peaks<'_>,
     x: &mut [f64],
@@ -215,13 +241,16 @@ fn descend(
     (way, limits): (Way, Limits),
     pool: &mut Vec<Met>,
     (is_worth, is_over): (&impl Fn(usize, f64) -> bool, IsOver<'_>),
-) -> f64 {
+) -> Option<f64> {
     let n = x.len();
     let movable: Vec<usize> = (0..n).filter(|&i| bounds.1[i] > bounds.0[i]).collect();
     let is_too_large = movable.len() > MOST_MOVABLE;
-    let Some(mut current) = peaks.at(x) else {
-        return f64::INFINITY;
+    let Some(mut current) = peaks.at(x, is_over) else {
+        return Some(f64::INFINITY);
     };
+    if peaks.was_cut {
+        return None;
+    }
     let mut radius = limits.radius;
     remember(pool, &current);
     let mut stalled = 0;
@@ -243,7 +272,12 @@ fn descend(
         };
         let before = peaks.known.clone();
         pool.retain(|met| met.age <= FORGOTTEN || way != Way::First);
-        let next = if limits.is_checked { peaks.checked(&trial) } else { peaks.at(&trial) };
+        let next = if limits.is_checked { peaks.checked(&trial, is_over) } else { peaks.at(&trial, is_over) };
+        if peaks.was_cut {
+            // The largest v of the trial is not known: what was there before stands.
+            peaks.known = before;
+            break;
+        }
         match next {
             Some(next) if next[0].1 < highest => {
                 let gain = 1.0 - next[0].1 / highest;
@@ -262,15 +296,15 @@ fn descend(
             }
             other => {
                 peaks.known = before;
-                peaks.at(x);
-                if let Some(found) = other.and_then(|next| overlooked(peaks, x, pool, next, highest)) {
+                peaks.at(x, is_over);
+                if let Some(found) = other.and_then(|next| overlooked(peaks, x, pool, next, highest, is_over)) {
                     current = found;
                 }
                 radius = 0.25 * radius.min(moved);
             }
         }
     }
-    current[0].1
+    Some(current[0].1)
 }
 
 /// Where a step leads, its largest change of a coordinate, and the share of the largest v that it is predicted to leave.
@@ -327,6 +361,7 @@ fn overlooked(
     pool: &mut Vec<Met>,
     shown: Vec<(Vec<f64>, f64)>,
     highest: f64,
+    is_over: IsOver<'_>,
 ) -> Option<Vec<(Vec<f64>, f64)>> {
     remember(pool, &shown);
     let is_higher = |point: &[f64]| peaks.variance.value(point) > highest * (1.0 + OVERLOOKED);
@@ -335,7 +370,7 @@ fn overlooked(
         return None;
     }
     peaks.known.extend(higher);
-    let found = peaks.at(x)?;
+    let found = peaks.at(x, is_over)?;
     remember(pool, &found);
     Some(found)
 }
@@ -478,11 +513,62 @@ mod tests {
         let ends = scene(1, 4, 2);
         let mut peaks = ends.peaks();
         let x = [-1.0, -0.75, 0.7, 1.0];
-        let inside = |peaks: &mut Peaks<'_>| peaks.at(&x).unwrap().iter().any(|(at, _)| at[0].abs() < 0.5);
+        let inside = |peaks: &mut Peaks<'_>| peaks.at(&x, &|| false).unwrap().iter().any(|(at, _)| at[0].abs() < 0.5);
         assert!(!inside(&mut peaks), "uphill from the ends it is not");
         peaks.also(vec![0.0]);
         assert!(inside(&mut peaks));
         assert!(inside(&mut peaks), "it is remembered");
+    }
+
+    /// A search that is over does not climb any more: the points of the lattice are what is known.
+    #[test]
+    fn no_maximum_is_climbed_to_once_the_search_is_over() {
+        let coarse = scene(2, 7, 5);
+        let number = |i: usize| ((i * i * 7919 + i * 31 + 104_729) % 2003) as f64 / 701.0 - 1.43;
+        let x: Vec<f64> = (0..14).map(|i| number(i).clamp(-1.0, 1.0)).collect();
+        let is_on_lattice = |(at, _): &(Vec<f64>, f64)| at.iter().all(|x| (2.0 * x).fract() == 0.0);
+        let mut peaks = coarse.peaks();
+        let whole = peaks.at(&x, &|| false).expect("a design");
+        assert!(!peaks.was_cut && whole.iter().any(|peak| !is_on_lattice(peak)), "{whole:?}");
+        let mut peaks = coarse.peaks();
+        let cut = peaks.at(&x, &|| true).expect("a design");
+        assert!(peaks.was_cut && cut.iter().all(is_on_lattice), "{cut:?}");
+        assert!(cut[0].1 <= whole[0].1, "{} and {}", cut[0].1, whole[0].1);
+        assert!(highest(&peaks.variance, &coarse.shape, &|| true).1 <= whole[0].1 * (1.0 + 1e-12));
+    }
+
+    /// Cut at every question: nothing is said of a design that is not known yet, and what is said holds for the runs left behind.
+    #[test]
+    fn a_polish_cut_anywhere_ends_with_the_largest_variance_of_its_runs() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        // The end of a start still has to get out of a few loops.
+        const MOST_QUESTIONS_AFTER: usize = 8;
+        let fine = scene(1, 4, 33);
+        let bounds = (&[-1.0; 4][..], &[1.0; 4][..]);
+        let (mut unknown, mut last) = (0, f64::INFINITY);
+        for is_checked in [false, true] {
+            let limits = Limits { steps: 20, radius: 0.01, least_radius: 1e-8, is_checked };
+            for end in 0.. {
+                let questions = AtomicUsize::new(0);
+                let is_over = || questions.fetch_add(1, Ordering::Relaxed) >= end;
+                let (mut peaks, mut x) = (fine.peaks(), [-0.9, -0.2, 0.7, 0.95]);
+                let value = polish(&mut peaks, &mut x, bounds, limits, |_, _| true, &is_over);
+                let asked = questions.into_inner();
+                assert!(asked <= end + MOST_QUESTIONS_AFTER, "asked {asked} times, over at {end}");
+                match value {
+                    Some(value) => {
+                        let known = fine.peaks().at(&x, &|| false).expect("a design")[0].1;
+                        assert!((value - known).abs() < 1e-12 * known, "{value} is not {known}, over at {end}");
+                        last = value;
+                    }
+                    None => unknown += 1,
+                }
+                if asked <= end {
+                    break;
+                }
+            }
+        }
+        assert!(unknown > 0 && (0.75 / last - 0.829_18).abs() < 1e-5, "{unknown} unknown, and {}", 0.75 / last);
     }
 
     /// 82.918 % for four runs of a line is 3 terms in 4 runs with a largest v of 0.9045. Steps of a hundredth would not come so
@@ -493,7 +579,7 @@ mod tests {
         let limits = Limits { steps: 20, radius: 0.01, least_radius: 1e-8, is_checked: false };
         let mut x = [-0.9, -0.2, 0.7, 0.95];
         let bounds = (&[-1.0; 4][..], &[1.0; 4][..]);
-        let value = polish(&mut fine.peaks(), &mut x, bounds, limits, |_, _| true, &|| false);
+        let value = polish(&mut fine.peaks(), &mut x, bounds, limits, |_, _| true, &|| false).expect("it is not over");
         assert!((0.75 / value - 0.829_18).abs() < 1e-5, "{} by {x:?}", 0.75 / value);
     }
 
@@ -504,12 +590,12 @@ mod tests {
         let x = [-1.0, -0.6, 0.5, 0.9];
         let errors = [0.04, 0.02].map(|radius| {
             let (mut peaks, mut pool) = (fine.peaks(), Vec::new());
-            let before = peaks.at(&x).unwrap();
+            let before = peaks.at(&x, &|| false).unwrap();
             remember(&mut pool, &before);
             let bounds = (&[-1.0; 4][..], &[1.0; 4][..]);
             let step = next_step(&peaks, &x, bounds, &mut pool, &[0, 1, 2, 3], (Way::Curved, radius), &|| false);
             let Step { trial, predicted, .. } = step.unwrap();
-            let after = peaks.at(&trial).unwrap();
+            let after = peaks.at(&trial, &|| false).unwrap();
             (after[0].1 / before[0].1 - predicted, 1.0 - predicted)
         });
         let [(coarse, gain), (fine, _)] = errors;
@@ -526,14 +612,14 @@ mod tests {
             let number = |i: usize| ((i * i * 7919 + i * 31 + seed * 104_729) % 2003) as f64 / 701.0 - 1.43;
             let x: Vec<f64> = (0..14).map(|i| number(i).clamp(-1.0, 1.0)).collect();
             let (mut peaks, mut pool) = (fine.peaks(), Vec::new());
-            let found = peaks.at(&x).unwrap();
+            let found = peaks.at(&x, &|| false).unwrap();
             remember(&mut pool, &found);
             for (number, met) in pool.iter_mut().enumerate() {
                 met.multiplier = [0.02, 0.9, 0.05, 0.0][(number + seed) % 4];
             }
             let total: f64 = pool.iter().map(|met| met.multiplier).sum();
             let mut level = |x: &[f64]| {
-                peaks.at(x).unwrap();
+                peaks.at(x, &|| false).unwrap();
                 pool.iter().map(|met| met.multiplier / total * peaks.variance.value(&met.point).ln()).sum::<f64>()
             };
             let mut is_free = |i: usize| {
@@ -546,7 +632,7 @@ mod tests {
                 !(x[i] <= -1.0 && slope > PRESSED || x[i] >= 1.0 && slope < -PRESSED)
             };
             let expected: Vec<usize> = (0..14).filter(|&i| is_free(i)).collect();
-            peaks.at(&x).unwrap();
+            peaks.at(&x, &|| false).unwrap();
             let movable: Vec<usize> = (0..14).collect();
             assert_eq!(not_pressed(&peaks, &x, &pool, &movable, (&[-1.0; 14], &[1.0; 14])), expected, "{x:?}");
             numbers_pressed.push(14 - expected.len());

@@ -21,7 +21,8 @@ pub struct Settings {
     /// The largest number of starts.
     pub starts: u64,
     /// No further start begins after this time, which must not be 0, and what is on its way is cut; only a first design
-    /// is waited for, if only as far as it determines the model: it may be a bad one, and [`Report::starts`](crate::Report::starts) is 0. How many starts that allows depends on the machine: the
+    /// is waited for, if only as far as it determines the model: it may be a bad one, and [`Report::starts`](crate::Report::starts) is 0.
+    /// Then the efficiency of the design is computed, which no limit cuts: for twelve factors a fraction of a second. How many starts that allows depends on the machine: the
     /// [`Report`](crate::Report) says how many there were and whether the same number without a limit repeats the search.
     pub time_limit: Option<Duration>,
     /// Stop as soon as the efficiency reaches this many per cent.

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::attempt::{Attempt, Designer};
+use super::attempt::{Attempt, Designer, Refinement};
 use super::ending::Ending;
 use super::incumbents::{Contender, Incumbents};
 use super::report::StopReason;
@@ -72,16 +72,18 @@ struct Search<'a> {
     designer: &'a dyn Designer,
     incumbents: Incumbents,
     best: Option<Contender>,
+    /// The best that the search was over before anything was known of but what its start said: nothing is held against it.
+    unjudged: Option<Contender>,
     /// Of every refined design.
     values: Vec<f64>,
     counts: Counts,
     stop: StopReason,
 }
 
-/// What refinement made of a design.
+/// What refinement made of a design of a start.
 struct Refined {
-    start: u64,
-    design: Option<(Vec<f64>, f64)>,
+    contender: Contender,
+    refinement: Refinement,
     was_cut: bool,
 }
 
@@ -94,6 +96,7 @@ impl<'a> Search<'a> {
             designer,
             incumbents: Incumbents::default(),
             best: None,
+            unjudged: None,
             values: Vec::new(),
             counts: Counts::default(),
             stop: StopReason::StartsDone,
@@ -110,6 +113,9 @@ impl<'a> Search<'a> {
         let stop = stop.or_else(|| if was_cut { self.ending.reason() } else { None });
         refined.into_iter().for_each(|refined| self.note(refined));
         self.decide(stop);
+        if let Some(unjudged) = self.unjudged.take().filter(|_| self.best.is_none()) {
+            self.take(unjudged);
+        }
     }
 
     fn make_starts(&self) -> Round {
@@ -149,15 +155,15 @@ impl<'a> Search<'a> {
 
     /// Refines designs side by side.
     fn refine(&self, chosen: Vec<Contender>) -> Vec<Refined> {
-        let refine = |Contender { value, start, x }: Contender| {
+        let refine = |contender: Contender| {
             let was_cut = AtomicBool::new(false);
             let is_over = || {
                 let is_over = self.ending.is_over();
                 was_cut.fetch_or(is_over, Ordering::Relaxed);
                 is_over
             };
-            let design = self.designer.refine(x, value, &self.incumbents, &is_over);
-            Refined { start, design, was_cut: was_cut.into_inner() }
+            let refinement = self.designer.refine(contender.x.clone(), contender.value, &self.incumbents, &is_over);
+            Refined { contender, refinement, was_cut: was_cut.into_inner() }
         };
         chosen.into_par_iter().map(refine).collect()
     }
@@ -165,13 +171,21 @@ impl<'a> Search<'a> {
     /// Takes note of a refined design.
     fn note(&mut self, refined: Refined) {
         self.counts.unfinished += u64::from(refined.was_cut);
-        let Some((x, value)) = refined.design else {
-            self.counts.failed += 1;
-            return;
-        };
-        let contender = Contender { value, start: refined.start, x };
-        self.values.push(value);
-        if self.best.as_ref().is_none_or(|best| value < best.value) {
+        let start = refined.contender.start;
+        match refined.refinement {
+            Refinement::Reached { x, value } => self.take(Contender { value, start, x }),
+            Refinement::Unjudged => {
+                let others = self.unjudged.take().into_iter();
+                self.unjudged = others.chain([refined.contender]).min_by(Contender::order);
+            }
+            Refinement::Failed => self.counts.failed += 1,
+        }
+    }
+
+    /// Takes a design among those found.
+    fn take(&mut self, contender: Contender) {
+        self.values.push(contender.value);
+        if self.best.as_ref().is_none_or(|best| contender.value < best.value) {
             self.best = Some(contender.clone());
         }
         self.incumbents.insert(contender);

@@ -91,6 +91,25 @@ fn the_rule_for_replicates_holds_wherever_a_search_is_cut() {
     }
 }
 
+/// A quadratic of 91 terms in twelve factors: before its first design such a search took minutes and all of the memory, and
+/// after the limit as long again.
+#[test]
+fn a_time_limit_that_has_passed_gives_a_design_in_twelve_factors_too() {
+    let grid = Space::of_axes((0..12).map(|i| Axis::equally_spaced(2 + i % 3).expect("levels")).collect());
+    let model = Model::quadratic(12).expect("a model");
+    for (space, model) in [(Space::cube(12), model), (grid, Model::linear(12).expect("a model"))] {
+        let space = space.expect("a space");
+        let n = model.n_terms() + 9;
+        let problem = Problem::new(model, space.clone(), n, Criterion::G).expect("a problem");
+        let mut settings = Settings::default();
+        settings.time_limit = Some(std::time::Duration::from_nanos(1));
+        let found = search(&problem, &settings).expect("a design");
+        assert_eq!((found.report.stop, found.report.starts), (StopReason::TimeLimit, 0), "over the {}", space.over());
+        found.design.check_within(&space).expect("runs of the space");
+        assert!(found.efficiency.percent > 0.0, "{}", found.efficiency);
+    }
+}
+
 #[test]
 fn a_time_limit_that_has_passed_still_gives_a_design() {
     for space in spaces() {

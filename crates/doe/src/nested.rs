@@ -1,14 +1,19 @@
-//! v on a whole grid at a few operations a point.
+//! v on a whole grid at a few operations a point, and the moments of weights on it.
 //!
 //! With one coordinate fixed a polynomial in K coordinates becomes one in K − 1 with fewer monomials: 70, 35, 15, 5 for
 //! the quadratic model in four factors. Fixing them axis by axis leaves one polynomial a line, so a point costs what
-//! its place on the line costs, four products and sums, and the line is computed side by side.
+//! its place on the line costs, four products and sums, and the line is computed side by side. The moments are the transpose:
+//! sums along each line first, and from there axis by axis back to the monomials.
 
 use std::collections::HashMap;
 
 use multiversion::multiversion;
 
 use crate::products::Products;
+
+/// Points times monomials beyond which a grid is computed axis by axis wherever something else is quicker below: stored they
+/// would take 256 MB a copy, and point by point the time of a whole search.
+pub(crate) const MOST_STORED: usize = 1 << 25;
 
 /// A grid prepared for evaluating the polynomials of a model.
 #[derive(Debug)]
@@ -66,6 +71,38 @@ impl Nested {
         let mut scratch: Vec<Vec<f64>> = self.steps.iter().map(|step| vec![0.0; step.n_left]).collect();
         let mut line = vec![0.0; self.n_powers];
         self.fill(0, coefficients, &mut scratch, &mut line, values);
+    }
+
+    /// Σ w x^e over all points for every monomial.
+    pub(crate) fn moments(&self, weights: &[f64], moments: &mut [f64]) {
+        let mut scratch: Vec<Vec<f64>> = self.steps.iter().map(|step| vec![0.0; step.n_left]).collect();
+        let mut line = vec![0.0; self.n_powers];
+        self.gather(0, weights, &mut scratch, &mut line, moments);
+    }
+
+    fn gather(&self, axis: usize, weights: &[f64], scratch: &mut [Vec<f64>], line: &mut [f64], moments: &mut [f64]) {
+        let (Some(step), Some((left, deeper))) = (self.steps.get(axis), scratch.split_first_mut()) else {
+            line.fill(0.0);
+            for (weight, x) in weights.iter().zip(&self.levels[axis]) {
+                let mut power = *weight;
+                for sum in line.iter_mut() {
+                    *sum += power;
+                    power *= x;
+                }
+            }
+            for (moment, &exponent) in moments.iter_mut().zip(&self.last) {
+                *moment = line[exponent];
+            }
+            return;
+        };
+        moments.fill(0.0);
+        let part = weights.len() / self.levels[axis].len();
+        for (powers, weights) in step.powers.chunks_exact(self.n_powers).zip(weights.chunks_exact(part)) {
+            self.gather(axis + 1, weights, deeper, line, left);
+            for (moment, &(target, power)) in moments.iter_mut().zip(&step.targets) {
+                *moment += left[target] * powers[power];
+            }
+        }
     }
 
     /// As [`values`](Self::values), at most `most` at a time where a line is no longer: `visit` gets the index of the first
@@ -138,7 +175,7 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn agrees_with_the_polynomial_point_by_point() {
+    fn values_and_moments_agree_with_the_polynomial_point_by_point() {
         let cubic = Model::new(1, (0..4).map(|e| Term::new(vec![e])).collect()).expect("a model");
         let models = [cubic, Model::quadratic(2).expect("a model"), Model::quadratic(3).expect("a model")];
         for (model, seed) in models.into_iter().zip(1..) {
@@ -151,11 +188,38 @@ mod tests {
             let nested = Nested::of(&Arc::new(Products::of(&model)), levels.clone());
             let mut values = Vec::new();
             nested.values(variance.coefficients(), &mut values);
-            let lattice = crate::lattice::Lattice::new(levels);
-            assert_eq!(values.len(), lattice.n_points());
+            assert_eq!(values.len(), levels.iter().map(Vec::len).product::<usize>());
+            // The last coordinate varies fastest.
+            let point = |index: usize| {
+                let mut rest = index;
+                let mut point: Vec<f64> = levels
+                    .iter()
+                    .rev()
+                    .map(|levels| {
+                        let digit = rest % levels.len();
+                        rest /= levels.len();
+                        levels[digit]
+                    })
+                    .collect();
+                point.reverse();
+                point
+            };
             for (index, value) in values.iter().enumerate() {
-                let expected = variance.value(&lattice.point(index));
+                let expected = variance.value(&point(index));
                 assert!((value - expected).abs() < 1e-10 * expected.abs().max(1.0), "{index}: {value} {expected}");
+            }
+            let products = Products::of(&model);
+            let weights: Vec<f64> = (0..values.len()).map(|i| number(7 * i + 1)).collect();
+            let (mut moments, mut monomials) =
+                (vec![f64::NAN; products.n_monomials()], vec![0.0; products.n_monomials()]);
+            nested.moments(&weights, &mut moments);
+            let mut expected = vec![0.0; products.n_monomials()];
+            for (index, weight) in weights.iter().enumerate() {
+                products.fill(&point(index), &mut monomials);
+                expected.iter_mut().zip(&monomials).for_each(|(sum, value)| *sum += weight * value);
+            }
+            for (moment, expected) in moments.iter().zip(expected) {
+                assert!((moment - expected).abs() < 1e-10 * expected.abs().max(1.0), "{moment} is not {expected}");
             }
         }
     }
