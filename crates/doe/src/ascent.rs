@@ -1,7 +1,8 @@
 //! Ascent to a local maximum of the prediction variance.
 
 use crate::matrix::{axpy, cholesky, dot, multiply};
-use crate::shape::{Axis, BoxShape, SAME};
+use crate::same::SAME;
+use crate::shape::{Axis, BoxShape};
 use crate::{PredictionVariance, polynomial};
 
 /// The allowed level with the largest value of the line, and that value; the first of equals.

@@ -128,6 +128,43 @@ pub enum Error {
         /// Unit of the parameter.
         unit: String,
     },
+    /// A forbidden range between two levels of the parameter: it forbids nothing, so a digit slipped.
+    #[error(
+        "parameter `{parameter}`: the forbidden range {lower:?} to {upper:?} holds none of its levels, so that it forbids \
+         nothing; the nearest are {:?} and {:?} {unit}",
+        nearest[0],
+        nearest[1]
+    )]
+    ForbidsNoLevel {
+        /// Name of the parameter.
+        parameter: String,
+        /// Lower end given.
+        lower: f64,
+        /// Upper end given.
+        upper: f64,
+        /// The levels below and above.
+        nearest: [f64; 2],
+        /// Unit of the parameter.
+        unit: String,
+    },
+    /// A forbidden box that, along one factor, holds nothing of the space: it forbids nothing.
+    #[error(
+        "forbidden box {}: the range {lower:?} to {upper:?} of factor {} forbids nothing, expected {allowed}",
+        number + 1,
+        factor + 1
+    )]
+    ForbidsNoPoint {
+        /// Index of the box among those given.
+        number: usize,
+        /// Index of the factor.
+        factor: usize,
+        /// Lower end given.
+        lower: f64,
+        /// Upper end given.
+        upper: f64,
+        /// What would forbid something.
+        allowed: String,
+    },
     /// More levels than an axis is stored with.
     #[error("{count} levels, expected at most {most}: a finer axis is better taken as continuous")]
     TooManyLevels {

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Region};
+use crate::same::SAME;
+use crate::{Error, Levels, Parameter, Region};
 
 /// A box of coded coordinates that no run may lie in: all its ranges at once, any value of the factors without range.
 ///
@@ -40,8 +41,9 @@ impl Forbidden {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchParameter`], [`Error::ForbiddenRangeOf`], [`Error::ForbidsNothing`] for a range outside the
-    /// parameter's bounds, [`Error::ForbidsEverything`].
+    /// [`Error::NoSuchParameter`], [`Error::ForbiddenRangeOf`], [`Error::ForbiddenTwice`], [`Error::ForbidsNothing`] for a
+    /// range outside the parameter's bounds, [`Error::ForbidsNoLevel`] for one between two of its levels,
+    /// [`Error::ForbidsEverything`].
     pub fn in_region(region: &Region, ranges: &[(&str, f64, f64)]) -> Result<Self, Error> {
         let mut coded = vec![None; region.n_parameters()];
         for &(name, lower, upper) in ranges {
@@ -63,6 +65,7 @@ impl Forbidden {
                     unit: parameter.unit().to_owned(),
                 });
             }
+            check_levels(parameter, lower, upper)?;
             coded[index] = Some([parameter.coded(lower), parameter.coded(upper)]);
         }
         Self::new(coded)
@@ -78,6 +81,30 @@ impl Forbidden {
     pub(crate) fn range(&self, factor: usize) -> [f64; 2] {
         let [lower, upper] = self.ranges[factor].unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         [if lower <= -1.0 { f64::NEG_INFINITY } else { lower }, if upper >= 1.0 { f64::INFINITY } else { upper }]
+    }
+}
+
+/// That a range which meets the bounds of a parameter holds one of its levels, if it has levels.
+fn check_levels(parameter: &Parameter, lower: f64, upper: f64) -> Result<(), Error> {
+    // Both bounds are levels.
+    if parameter.levels() == Levels::Continuous || !parameter.contains(lower) || !parameter.contains(upper) {
+        return Ok(());
+    }
+    let nearest = parameter.nearest_level(lower)?;
+    let around = [nearest.checked_sub(1), Some(nearest), nearest.checked_add(1)];
+    let levels: Vec<f64> = around.into_iter().flatten().filter_map(|index| parameter.level(index).ok()).collect();
+    let [from, to] = [parameter.coded(lower) - SAME, parameter.coded(upper) + SAME];
+    let is_below = |level: &f64| parameter.coded(*level) < from;
+    let above = levels.iter().copied().find(|level| !is_below(level));
+    match (levels.iter().copied().rfind(is_below), above) {
+        (Some(below), Some(above)) if parameter.coded(above) > to => Err(Error::ForbidsNoLevel {
+            parameter: parameter.name().to_owned(),
+            lower,
+            upper,
+            nearest: [below, above],
+            unit: parameter.unit().to_owned(),
+        }),
+        _ => Ok(()),
     }
 }
 

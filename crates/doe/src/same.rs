@@ -1,5 +1,7 @@
-//! When two runs are the same, which runs of many are, and how they come to be so to the last bit.
+//! When coordinates and runs are the same, which runs of many are, and how they come to be so to the last bit.
 
+/// How far a coordinate may be from a level, a bound or a candidate and still be it.
+pub(crate) const SAME: f64 = 1e-9;
 /// Coordinates that differ by no more make two runs replicates.
 pub(crate) const SAME_RUN: f64 = 1e-6;
 

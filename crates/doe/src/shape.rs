@@ -2,7 +2,7 @@
 
 use design_space::{Combinations, coded_level};
 
-use crate::same::same_pair;
+use crate::same::{SAME, same_pair};
 use crate::{Cell, Error, Forbidden};
 
 /// The values one coded coordinate can take.
@@ -63,9 +63,6 @@ pub(crate) struct List {
     pub(crate) coordinates: Vec<f64>,
 }
 
-/// How far a coordinate may be from a level, a bound or a candidate and still be it.
-pub(crate) const SAME: f64 = 1e-9;
-
 impl BoxShape {
     /// The box with all axes continuous.
     pub(crate) fn relaxed(&self) -> Self {
@@ -124,6 +121,29 @@ impl BoxShape {
         }
     }
 
+    /// What a range of a forbidden box would have to be to forbid anything along an axis; none if it does.
+    pub(crate) fn missing(&self, forbidden: &Forbidden, axis: usize) -> Option<String> {
+        let [lower, upper] = forbidden.ranges()[axis]?;
+        let outside = missing_of_all(forbidden, axis);
+        match &self.axes[axis] {
+            _ if outside.is_some() => outside,
+            Axis::Continuous => {
+                // Whether there is room between the ends, one of which may be a bound that goes with the range.
+                let [from, to] = forbidden.range(axis);
+                let is_empty = f64::max(from + SAME, -1.0) >= f64::min(to - SAME, 1.0);
+                let allowed =
+                    "a lower end below the upper one, within the bounds: the ends themselves are not forbidden";
+                is_empty.then(|| allowed.to_owned())
+            }
+            Axis::Levels(levels) => {
+                let above = levels.partition_point(|level| *level < lower - SAME);
+                let holds = levels.get(above).is_some_and(|level| *level <= upper + SAME);
+                let nearest = levels[above.saturating_sub(1)..].iter().take(2).map(|level| format!("{level:?}"));
+                (!holds).then(|| format!("one of its levels, as {}", nearest.collect::<Vec<_>>().join(" or ")))
+            }
+        }
+    }
+
     /// Ranges of the forbidden boxes that the line through `point` along `axis` passes.
     pub(crate) fn blocked_along(&self, point: &[f64], axis: usize) -> Vec<[f64; 2]> {
         let elsewhere =
@@ -170,6 +190,13 @@ impl List {
             None => Ok(()),
         }
     }
+}
+
+/// The same where nothing is known but that coordinates are coded.
+pub(crate) fn missing_of_all(forbidden: &Forbidden, axis: usize) -> Option<String> {
+    let [lower, upper] = forbidden.ranges()[axis]?;
+    let is_outside = lower > 1.0 + SAME || upper < -1.0 - SAME;
+    is_outside.then(|| "coded coordinates that meet -1 to 1".to_owned())
 }
 
 /// Whether a point lies in a forbidden box or on its surface.

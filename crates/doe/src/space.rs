@@ -4,8 +4,8 @@ use std::fmt;
 
 use crate::error::{check_count, check_points};
 use crate::measure::Measure;
-use crate::same::SAME_RUN;
-use crate::shape::{Axis, BoxShape, List, SAME, Shape, within_closed};
+use crate::same::{SAME, SAME_RUN};
+use crate::shape::{Axis, BoxShape, List, Shape, missing_of_all, within_closed};
 use crate::wording::counted;
 use crate::{Error, Forbidden, Levels, Model, Region};
 
@@ -111,10 +111,25 @@ impl Space {
 
     /// This space without some boxes.
     ///
+    /// A box that could not forbid anything is a slip of a digit or a unit and refused: one outside of −1 to 1, one between two
+    /// levels of an axis, and one whose ends along a continuous axis leave nothing between them. From a list the points of a
+    /// box may be gone already, so a box within −1 to 1 may hold none of its candidates.
+    ///
+    /// ```
+    /// use doe::{Forbidden, Space};
+    /// let hot = Forbidden::new(vec![Some([0.6, 0.9]), None])?;
+    /// let error = Space::grid(&[5, 3])?.forbid(vec![hot]).unwrap_err();
+    /// assert_eq!(
+    ///     error.to_string(),
+    ///     "forbidden box 1: the range 0.6 to 0.9 of factor 1 forbids nothing, expected one of its levels, as 0.5 or 1.0"
+    /// );
+    /// # Ok::<(), doe::Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
-    /// [`Error::FactorMismatch`], [`Error::Count`] beyond [`MOST_FORBIDDEN`](Self::MOST_FORBIDDEN) boxes,
-    /// [`Error::EmptySpace`] if nothing is left.
+    /// [`Error::FactorMismatch`], [`Error::ForbidsNoPoint`], [`Error::Count`] beyond
+    /// [`MOST_FORBIDDEN`](Self::MOST_FORBIDDEN) boxes, [`Error::EmptySpace`] if nothing is left.
     pub fn forbid(mut self, forbidden: Vec<Forbidden>) -> Result<Self, Error> {
         let expected = self.n_factors();
         for forbidden in &forbidden {
@@ -123,6 +138,7 @@ impl Space {
                 return Err(Error::FactorMismatch { what: "a forbidden box", expected, found });
             }
         }
+        self.check_forbids(&forbidden)?;
         match &mut self.shape {
             Shape::Box(shape) => {
                 shape.forbidden.extend(forbidden);
@@ -142,6 +158,22 @@ impl Space {
             }
         }
         Ok(self)
+    }
+
+    /// That each of some boxes could forbid something along every axis.
+    fn check_forbids(&self, forbidden: &[Forbidden]) -> Result<(), Error> {
+        let missing = |forbidden: &Forbidden, factor: usize| match &self.shape {
+            Shape::Box(shape) => shape.missing(forbidden, factor),
+            Shape::List(_) => missing_of_all(forbidden, factor),
+        };
+        for (number, forbidden) in forbidden.iter().enumerate() {
+            for (factor, range) in forbidden.ranges().iter().enumerate() {
+                if let (Some(allowed), &Some([lower, upper])) = (missing(forbidden, factor), range) {
+                    return Err(Error::ForbidsNoPoint { number, factor, lower, upper, allowed });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Number of factors, K.

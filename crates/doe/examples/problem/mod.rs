@@ -242,7 +242,15 @@ impl ProblemFile {
             fits.ok_or_else(|| format!("judged_levels: {levels}, expected 2 to {most}"))
         };
         let counts = levels.into_iter().map(count).collect::<Result<Vec<u32>, String>>()?;
-        Ok(Some(Space::grid(&counts)?.forbid(self.boxes(&self.region()?)?)?))
+        // A box between the levels that predictions are asked for on forbids none of them.
+        let mut grid = Space::grid(&counts)?;
+        for forbidden in self.boxes(&self.region()?)? {
+            match grid.clone().forbid(vec![forbidden]) {
+                Err(doe::Error::ForbidsNoPoint { .. }) => (),
+                less => grid = less?,
+            }
+        }
+        Ok(Some(grid))
     }
 
     /// Why a run within the bounds is not in the space; nothing if it is.

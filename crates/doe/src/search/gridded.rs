@@ -1,7 +1,7 @@
 //! The grids on which a box is searched: its own, a part of a very large one, or one in place of continuous axes.
 
-use crate::same::SAME_RUN;
-use crate::shape::{Axis, BoxShape, SAME, spread};
+use crate::same::{SAME, SAME_RUN};
+use crate::shape::{Axis, BoxShape, spread};
 use crate::{Error, Forbidden};
 
 /// Points of a grid that is searched as a whole, at most: a scan of it takes a fraction of a second.

@@ -88,3 +88,18 @@ fn a_file_may_ask_for_predictions_on_a_grid_only() {
     );
     assert_eq!(refused("one", "runs = 7\njudged_levels = 1"), "judged_levels: 1, expected 2 to 100000");
 }
+
+/// Predictions may be asked for on levels that a forbidden box lies between; only the box of a typo forbids nothing.
+#[test]
+fn a_forbidden_box_between_the_levels_to_judge_over_forbids_none_of_them() {
+    let lines = |range: &str| format!("runs = 9\njudged_levels = 3\nforbidden = [{{ a = {range}, b = [0.5, 1.0] }}]");
+    let between = two_parameters("between", &lines("[0.6, 0.9]")).problem().unwrap();
+    assert_eq!((between.judged().n_points(), between.space().forbidden().len()), (Some(9), 1));
+    let corner = two_parameters("corner", &lines("[0.6, 1.0]")).problem().unwrap();
+    assert_eq!(corner.judged().n_points(), Some(7), "two of them lie in the box");
+    let outside = two_parameters("outside", &lines("[60.0, 90.0]")).problem().unwrap_err().to_string();
+    assert!(
+        outside.starts_with("forbidden 1: parameter `a`: the forbidden range 60.0 to 90.0 lies outside"),
+        "{outside}"
+    );
+}

@@ -57,7 +57,14 @@ proptest! {
                     prop_assert!((one - other).abs() < 1e-12);
                 }
             }
+            (Err(Error::ForbidsNoPoint { .. }), Err(Error::ForbidsNoPoint { .. })) => (),
             (Err(one), Err(other)) => prop_assert_eq!(one, other),
+            // Between two levels a box could not forbid anything, of a list some points of it may be gone.
+            (Err(Error::ForbidsNoPoint { factor, .. }), Ok(list)) => {
+                let (count, [lower, upper]) = ([n, m][factor], [[a, a + b], [c, c + d]][factor]);
+                prop_assert!((0..count).all(|i| !(lower..=upper).contains(&level(i, count))));
+                prop_assert_eq!(list.n_points(), Some(u64::from(n * m)));
+            }
             (one, other) => prop_assert!(false, "{one:?} and {other:?}"),
         }
     }
@@ -178,6 +185,63 @@ fn a_forbidden_range_outside_the_bounds_is_refused_because_it_forbids_nothing() 
     for (lower, upper) in [(20.0, 25.0), (5.0, 10.0), (f64::NEG_INFINITY, 12.0)] {
         assert!(Forbidden::in_region(&region, &[("temperature", lower, upper)]).is_ok(), "{lower} to {upper} meets it");
     }
+}
+
+/// Between two levels there is nothing to forbid.
+#[test]
+fn a_forbidden_range_between_two_levels_is_refused_with_those_next_to_it() {
+    let mass = Parameter::continuous("mass", "kg", 1.0, 3.0).unwrap().with_levels(5).unwrap();
+    let region = Region::new(vec![mass, Parameter::continuous("pitch", "deg", 10.0, 22.0).unwrap()]).unwrap();
+    let of = |lower: f64, upper: f64| Forbidden::in_region(&region, &[("mass", lower, upper)]);
+    assert_eq!(
+        of(2.1, 2.4).unwrap_err().to_string(),
+        "parameter `mass`: the forbidden range 2.1 to 2.4 holds none of its levels, so that it forbids nothing; the nearest \
+         are 2.0 and 2.5 kg"
+    );
+    for (lower, upper) in [(1.1, 1.4), (1.6, 1.6), (2.51, 2.99)] {
+        assert!(matches!(of(lower, upper), Err(Error::ForbidsNoLevel { .. })), "{lower} to {upper}");
+    }
+    for (lower, upper) in [(2.5, 2.5), (2.4, 2.6), (0.0, 1.0), (2.9, 7.0), (2.500_000_000_1, 2.7), (1.6, 2.3)] {
+        let space = Space::of_region(&region).unwrap().forbid(vec![of(lower, upper).unwrap()]).unwrap();
+        let coded: Vec<f64> = (0..5).map(|i| f64::from(i) / 2.0 - 1.0).collect();
+        assert!(coded.iter().any(|&x| !space.contains(&[x, 0.0])), "{lower} to {upper} forbids a level");
+    }
+}
+
+#[test]
+fn a_forbidden_box_that_could_forbid_nothing_is_named() {
+    let levels = || Axis::equally_spaced(3).unwrap();
+    let mixed = || Space::of_axes(vec![Axis::Continuous, levels()]).unwrap();
+    let list = || Space::list(2, vec![-1.0, -1.0, 0.5, 1.0, 1.0, 0.0]).unwrap();
+    let boxes = |ranges: [Option<[f64; 2]>; 2]| {
+        let corner = Forbidden::new(vec![Some([0.9, 1.0]), Some([0.9, 1.0])]).unwrap();
+        vec![corner, Forbidden::new(ranges.to_vec()).unwrap()]
+    };
+    let said = |space: Space, ranges: [Option<[f64; 2]>; 2]| match space.forbid(boxes(ranges)) {
+        Ok(space) => panic!("{ranges:?} is taken by the {}", space.over()),
+        Err(error) => error.to_string(),
+    };
+    for space in [mixed(), list(), Space::cube(2).unwrap(), Space::grid(&[3, 3]).unwrap()] {
+        for (ranges, text) in [([1.5, 2.0], "1.5 to 2.0"), ([-30.0, -1.1], "-30.0 to -1.1")] {
+            assert_eq!(
+                said(space.clone(), [None, Some(ranges)]),
+                format!(
+                    "forbidden box 2: the range {text} of factor 2 forbids nothing, expected coded coordinates that meet -1 to 1"
+                )
+            );
+        }
+    }
+    assert_eq!(
+        said(mixed(), [Some([-1.0, 0.0]), Some([0.1, 0.9])]),
+        "forbidden box 2: the range 0.1 to 0.9 of factor 2 forbids nothing, expected one of its levels, as 0.0 or 1.0"
+    );
+    for range in [[0.2, 0.2], [-1.0, -1.0], [1.0, 3.0]] {
+        let said = said(mixed(), [Some(range), None]);
+        assert!(said.ends_with("within the bounds: the ends themselves are not forbidden"), "{range:?}: {said}");
+    }
+    // Of a list what a box held may be gone.
+    assert_eq!(list().forbid(boxes([Some([-0.2, 0.2]), None])).unwrap().n_points(), Some(3));
+    assert!(mixed().forbid(boxes([Some([0.2, 0.3]), Some([-0.1, 0.1])])).is_ok());
 }
 
 #[test]
