@@ -1,6 +1,6 @@
 //! From a problem in TOML to a design in CSV: `design_from_toml [problem.toml [design.csv]]`.
 //!
-//! Without a file to write to, the design is printed; the evaluation always is. Settings have nine significant digits, and
+//! Without a file to write to, the design is printed; the evaluation always is. Settings are rounded to within 1e-8 of their range, and
 //! the figures are those of the design as it is written. More than 2000 runs need a limit in `seconds`. With `judged_levels`
 //! the criterion is over that grid, while the evaluation below it is over the whole space. A search that takes long says on standard error how far it is.
 

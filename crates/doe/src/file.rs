@@ -169,15 +169,17 @@ impl Design {
             let (point, replicate) = visits[run];
             let numbers = [position + 1, run + 1, point, replicate].map(|number| number.to_string());
             let settings = region.parameters().iter().zip(&settings[run]);
-            let settings = settings.map(|(parameter, &value)| rounded(parameter, value).to_string());
+            let settings = settings.map(|(parameter, &value)| shortened(parameter, value, LAST_BITS).to_string());
             let kind = kinds.as_ref().map(|kinds| kinds[run].clone());
             writer.write_record(numbers.into_iter().chain(kind).chain(settings)).map_err(unreadable)?;
         }
         writer.flush().map_err(|error| unreadable(error.into()))
     }
 
-    /// The same runs at settings of nine significant digits, which nobody minds to read, as long as they stay in the space
-    /// and what was a replicate stays one, to the last bit. Levels and the first `n_fixed` runs stay as they are.
+    /// The same runs at settings rounded to within 1e-8 of the width of their range, which nobody minds to read, as long as they
+    /// stay in the space and what was a replicate stays one, to the last bit. Levels and the first `n_fixed` runs stay as they
+    /// are. [`write_csv`](Self::write_csv) rounds by the same rule, and finer: it writes these settings as they are, but for
+    /// last bits where they lie more than a thousand widths from zero.
     ///
     /// ```
     /// use doe::{Design, Parameter, Region, Space};
@@ -195,10 +197,7 @@ impl Design {
         let united = self.clone().with_equal_replicates(n_fixed);
         for (index, (run, settings)) in united.runs().zip(united.natural(region)?).enumerate() {
             let parameters = region.parameters().iter().zip(settings);
-            let short = parameters.map(|(parameter, value)| match parameter.levels() {
-                Levels::Continuous => in_few_digits(parameter, value),
-                Levels::Count(_) => value,
-            });
+            let short = parameters.map(|(parameter, value)| shortened(parameter, value, READABLE));
             let short = region.coded(&short.collect::<Vec<_>>())?;
             runs.extend(if index >= n_fixed && space.contains(&short) { short } else { run.to_vec() });
         }
@@ -243,32 +242,35 @@ fn check_header(region: &Region, labels: &[&str]) -> Result<(), Error> {
     Ok(())
 }
 
-/// A number to nine significant digits.
-fn to_nine_digits(value: f64) -> f64 {
-    format!("{value:.8e}").parse().ok().filter(|short: &f64| short.is_finite()).unwrap_or(value)
+/// How much of the width of a parameter's range a setting may be changed by to be short.
+#[derive(Clone, Copy)]
+struct Share {
+    /// Its decimal logarithm, less the sign.
+    digits: f64,
+    share: f64,
 }
 
-/// The same to nine digits, and zero for what is no more than the last bits of a search beside the width; as it is where so few digits do
-/// not tell it.
-fn in_few_digits(parameter: &Parameter, value: f64) -> f64 {
-    if value.abs() <= 1e-10 * parameter.width() && parameter.contains(0.0) {
-        return 0.0;
-    }
-    let short = to_nine_digits(value);
-    if (short - value).abs() <= 1e-8 * parameter.width() { short } else { value }
-}
+/// What a search's last bits are, so that they do not fill a file.
+const LAST_BITS: Share = Share { digits: 10.0, share: 1e-10 };
+/// What nobody minds: a hundred million steps of the range.
+const READABLE: Share = Share { digits: 8.0, share: 1e-8 };
 
-/// The shortest decimal within 1e-10 of the width, so that a search's last bits do not fill the file.
-fn rounded(parameter: &Parameter, value: f64) -> f64 {
+/// The shortest decimal within a share of the width, as it is where there is none: for settings that may be any number.
+fn shortened(parameter: &Parameter, value: f64, Share { digits, share }: Share) -> f64 {
     if parameter.levels() != Levels::Continuous {
         return value;
     }
-    let is_close = |short: f64| (short - value).abs() <= 1e-10 * parameter.width() && parameter.contains(short);
-    let digits = (10.0 - parameter.width().log10()).ceil();
+    let is_close = |short: f64| (short - value).abs() <= share * parameter.width() && parameter.contains(short);
+    let digits = (digits - parameter.width().log10()).ceil();
     let scale = 10.0_f64.powf(digits.clamp(0.0, 300.0));
     let by_width = (value * scale).round() / scale;
     // Beyond what a double can scale, and past a bound, the digits are those of the number itself.
     [by_width + 0.0, to_nine_digits(value)].into_iter().find(|&short| is_close(short)).unwrap_or(value)
+}
+
+/// A number to nine significant digits.
+fn to_nine_digits(value: f64) -> f64 {
+    format!("{value:.8e}").parse().ok().filter(|short: &f64| short.is_finite()).unwrap_or(value)
 }
 
 /// What separates the columns, if it is not commas: a header of one column whose parts are names of parameters.

@@ -207,6 +207,39 @@ proptest! {
     }
 }
 
+proptest! {
+    /// One rule rounds both, so the file holds the design that was rounded and evaluated.
+    #[test]
+    fn a_rounded_design_is_written_as_it_is(
+        flat in prop::collection::vec(-1.0..=1.0_f64, 12),
+        (widths_away, log_width) in (-1e3..1e3_f64, -3.0..6.0_f64),
+    ) {
+        let lower = widths_away * 10.0_f64.powf(log_width);
+        let upper = lower + 10.0_f64.powf(log_width);
+        let parameters = vec![
+            Parameter::continuous("x", "", lower, upper).unwrap(),
+            Parameter::continuous("y", "m", 0.0, 2.0 / 3.0).unwrap(),
+            Parameter::continuous("z", "m", -1.0, 1.0).unwrap().with_levels(7).unwrap(),
+        ];
+        let region = Region::new(parameters).unwrap();
+        let space = doe::Space::of_region(&region).unwrap();
+        let runs: Vec<f64> = flat
+            .chunks_exact(3)
+            .flat_map(|run| [run[0], run[1], (3.0 * run[2]).round() / 3.0])
+            .collect();
+        let rounded = Design::new(3, runs.clone()).unwrap().rounded(&region, &space, 0).unwrap();
+        let mut bytes = Vec::new();
+        rounded.write_csv(&region, RunOrder::Standard, &mut bytes).unwrap();
+        let back = Design::read_csv(&region, &bytes[..]).unwrap().design;
+        for (x, y) in back.coordinates().iter().zip(rounded.coordinates()) {
+            prop_assert_eq!(x.to_bits(), y.to_bits(), "{} and {}", x, y);
+        }
+        for (x, y) in rounded.coordinates().iter().zip(&runs) {
+            prop_assert!((x - y).abs() <= 2.1e-8, "{} for {}", x, y);
+        }
+    }
+}
+
 /// A reader does not see spaces around a name, and takes brackets for a unit.
 #[test]
 fn what_is_written_can_be_read_back_or_is_refused() {
