@@ -150,7 +150,9 @@ impl campaign::Campaign for Campaign {
             json!({
                 "batch": assessed.batch, "best": problem.named(&assessed.recommended), "expected": assessed.expected,
                 "deviation": response.of_difference(assessed.deviation),
-                "bound": assessed.bound.map(|bound| response.of_difference(bound)), "left_share": assessed.left,
+                "bound": assessed.bound.map(|bound| response.of_difference(bound)),
+                "bound_by_the_surface_alone": assessed.alone.map(|bound| response.of_difference(bound)),
+                "left_share": assessed.left,
                 "noise": response.of_difference(assessed.noise),
             })
         });

@@ -233,7 +233,7 @@ fn a_worth_that_nobody_can_find_is_said_to_be_one_and_has_no_forecast() {
     assert!(batch(&rig, |a, b, id| Ok(wells(a, b, [25.0, 60.0]) + wobble(id))));
     assert!(batch(&rig, |a, b, id| Ok(wells(a, b, [25.0, 60.0]) + wobble(id))));
     let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
-    assert!(text.contains("That is more than the 1e-9 N of `worth`: more than 100 batches may be needed."), "{text}");
+    assert!(text.contains(" is more than the 1e-9 N of `worth`: more than 100 batches may be needed."), "{text}");
     let noise = status["noise"]["standard_deviation"].as_f64().expect("a number");
     let said = text.split("all of two designs, tell which is better only where they differ by ").nth(1).expect("why");
     let differ: f64 = said.split(' ').next().and_then(|number| number.parse().ok()).expect("a number");
@@ -397,7 +397,7 @@ fn no_certificate_goes_beyond_what_the_response_allows() {
         "{text}"
     );
     assert!(
-        text.contains("even more than that is held for a narrow well that no run may have met, until 40 designs"),
+        text.contains("Even more than that is held for a narrow well that no run may have met, until 40 designs"),
         "{text}"
     );
     assert!(text.contains("Ended: with 90 % probability") && text.contains("Next: "), "{text}");

@@ -35,8 +35,7 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// From this gain on it is believed. Where nothing drifts it is reached about once in two hundred assessments, as
-    /// `docs/results-drift.md` counts.
+    /// From this gain on it is believed: seldom where nothing drifts, as `docs/results-drift.md` counts.
     pub const SURE: f64 = 4.0;
 
     /// Whether the readings are sure of it.
