@@ -155,6 +155,16 @@ pub enum Error {
         /// What they are needed for.
         what: &'static str,
     },
+    /// As many terms as points, so that nothing tells the errors of the points.
+    #[error(
+        "{n_points} points of positive weight and {n_terms} terms leave no degree of freedom, expected more points than terms"
+    )]
+    NoDegreesOfFreedom {
+        /// Number of points with a weight above zero.
+        n_points: usize,
+        /// Number of terms.
+        n_terms: usize,
+    },
     /// No degrees of freedom for pure error or for lack of fit.
     #[error(
         "{n_points} points at {n_sites} places and {n_terms} terms leave no test for lack of fit, expected more points \

@@ -19,6 +19,7 @@ mod regression;
 mod relative_average;
 mod scale_choice;
 mod squared_exponential;
+mod student;
 mod surface;
 mod weighted_average;
 
@@ -35,4 +36,5 @@ pub use polynomial::Polynomial;
 pub use regression::{Confounded, Regression};
 pub use scale_choice::ScaleChoice;
 pub use squared_exponential::SquaredExponential;
+pub use student::CoefficientTest;
 pub use surface::{Minimum, Surface};

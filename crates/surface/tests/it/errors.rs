@@ -140,6 +140,31 @@ fn refuses_a_test_for_lack_of_fit_without_degrees_of_freedom() {
 }
 
 #[test]
+fn refuses_tests_and_intervals_that_cannot_be() {
+    let fit = Regression::fit(&Model::linear(1).expect("a valid model"), &line()).expect("three points");
+    for bad in [0.0, 1.0, -0.1, 95.0, f64::NAN] {
+        let message = format!("`probability` is {bad:?}, expected between 0 and 1");
+        check(fit.coefficient_tests(bad), &message);
+        check(fit.mean_interval(&[0.0], bad), &message);
+        check(fit.observation_interval(&[0.0], 1.0, bad), &message);
+    }
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let message = format!("`weight` is {bad:?}, expected a finite number above 0");
+        check(fit.observation_interval(&[0.0], bad, 0.9), &message);
+    }
+    check(fit.mean_interval(&[0.0, 1.0], 0.9), "number of coordinates of a point: 2, expected 1");
+    check(
+        fit.observation_interval(&[f64::INFINITY], 1.0, 0.9),
+        "coordinate 0 of point 0 is inf, expected a finite number of magnitude at most 1.7976931348623157e308",
+    );
+    let through = Data::new(1, vec![0.0, 1.0], vec![1.0, 2.0]).expect("valid data");
+    let through = Regression::fit(&Model::linear(1).expect("a valid model"), &through).expect("two points");
+    let message = "2 points of positive weight and 2 terms leave no degree of freedom, expected more points than terms";
+    check(through.coefficient_tests(0.9), message);
+    check(through.mean_interval(&[0.0], 0.9), message);
+}
+
+#[test]
 fn refuses_points_that_do_not_fit() {
     let surface = InverseDistance::fit(line(), 2.0).expect("a valid power");
     check(surface.try_predict(&[0.0, 1.0]), "number of coordinates of a point: 2, expected 1");

@@ -45,11 +45,15 @@ const STANDARD_ERRORS: [f64; 7] = [
 /// Eight digits: the condition with columns of unit length is 4e4, and 15 digits are certified.
 const DIGITS: f64 = 1e-8;
 
-#[test]
-fn matches_the_certified_values_of_longley() {
+fn longley() -> Regression {
     let points = LONGLEY.iter().flat_map(|row| row[1..].iter().copied()).collect();
     let data = Data::new(6, points, LONGLEY.iter().map(|row| row[0]).collect()).expect("valid data");
-    let fit = Regression::fit(&Model::linear(6).expect("a valid model"), &data).expect("enough data");
+    Regression::fit(&Model::linear(6).expect("a valid model"), &data).expect("enough data")
+}
+
+#[test]
+fn matches_the_certified_values_of_longley() {
+    let fit = longley();
     let errors = fit.standard_errors().expect("nine degrees of freedom");
     for term in 0..7 {
         check_close(fit.coefficients()[term] / COEFFICIENTS[term], 1.0, DIGITS, "coefficient over certified");
@@ -58,4 +62,42 @@ fn matches_the_certified_values_of_longley() {
     let sigma = fit.sigma_squared().expect("nine degrees of freedom").sqrt();
     check_close(sigma / 304.854073561965, 1.0, DIGITS, "residual standard deviation");
     check_close(fit.r_squared().expect("variation"), 0.995479004577296, DIGITS, "R^2");
+}
+
+/// scipy 1.17 of the certified numbers: t = b/s, `2*t.sf(abs(t), 9)`, b ∓ `t.ppf(0.975, 9)`·s.
+#[test]
+fn tests_of_longley_are_those_of_its_certified_numbers() {
+    let t = [
+        -3.910802918154339,
+        0.17737602822999873,
+        -1.0695163172210467,
+        -4.136427355940727,
+        -4.8219853104454575,
+        -0.22605114466420403,
+        4.015889812709781,
+    ];
+    let p = [
+        0.00356040366372623,
+        0.8631408328092144,
+        0.3126810610927116,
+        0.0025350917341112255,
+        0.0009443667641617974,
+        0.8262117957636468,
+        0.0030368033416303102,
+    ];
+    let low = [
+        -5496529.483274764,
+        -177.02903529849357,
+        -0.11158110241390132,
+        -3.125066641973584,
+        -1.5179487001723644,
+        -0.5625172145072177,
+        798.787515278419,
+    ];
+    let tests = longley().coefficient_tests(0.95).expect("nine degrees of freedom");
+    for (term, test) in tests.iter().enumerate() {
+        check_close(test.t / t[term], 1.0, DIGITS, "t over certified");
+        check_close(test.p_value / p[term], 1.0, 1e-7, "p over certified");
+        check_close(test.interval[0] / low[term], 1.0, DIGITS, "lower end over certified");
+    }
 }

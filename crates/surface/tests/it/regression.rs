@@ -2,7 +2,10 @@
 
 use doe::{Model, Term};
 use proptest::prelude::*;
-use surface::{Confounded, Data, Regression, Surface};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use surface::{CoefficientTest, Confounded, Data, Error, Regression, Surface};
 
 use crate::{any_data, check_close, check_list};
 
@@ -54,6 +57,10 @@ fn no_degrees_of_freedom_means_no_variance() {
     assert_eq!((fit.sigma_squared(), fit.covariance(), fit.standard_errors()), (None, None, None));
     assert_eq!((fit.variance(&[0.0]), fit.adjusted_r_squared()), (None, None));
     assert_eq!(fit.drawn(&[0.0; 3]).expect("three terms"), None);
+    let nothing = Error::NoDegreesOfFreedom { n_points: 3, n_terms: 3 };
+    assert_eq!(fit.coefficient_tests(0.95), Err(nothing.clone()));
+    assert_eq!(fit.mean_interval(&[0.0], 0.95), Err(nothing.clone()));
+    assert_eq!(fit.observation_interval(&[0.0], 1.0, 0.95), Err(nothing));
     check_list(fit.coefficients(), &[1.0, -0.5, 1.5], 1e-14, "through the points");
 }
 
@@ -166,5 +173,102 @@ proptest! {
         let expected: f64 = (0..36).map(|at| r[at / 6] * covariance[at] * r[at % 6]).sum();
         let size: f64 = (0..36).map(|at| (r[at / 6] * covariance[at] * r[at % 6]).abs()).sum();
         check_close(fit.variance(&x).expect("freedom"), expected, 1e-12 * size, "r' C r");
+    }
+}
+
+/// The data of `draws_have_the_variance_of_the_prediction`, weights and all.
+fn weighted_quadratic() -> Regression {
+    let data =
+        Data::new(1, vec![-1.0, -0.6, -0.1, 0.4, 0.7, 1.0], vec![3.0, 1.2, 0.7, 1.1, 2.2, 2.9]).expect("valid data");
+    let data = data.with_weights(vec![1.0, 2.0, 0.5, 1.0, 3.0, 0.7]).expect("valid weights");
+    Regression::fit(&quadratic(1), &data).expect("enough data")
+}
+
+/// statsmodels 0.15: `f = WLS(y, [1, x, x²], weights=w).fit()`, then `tvalues`, `pvalues`, `conf_int(0.05)`, `conf_int(0.2)`.
+#[test]
+fn tests_of_coefficients_are_those_of_statsmodels() {
+    let fit = weighted_quadratic();
+    let of_each = |number: fn(&CoefficientTest) -> f64, probability: f64| {
+        fit.coefficient_tests(probability).expect("degrees of freedom").iter().map(number).collect::<Vec<_>>()
+    };
+    let t = [2.943117855370053, 1.6662166115267558, 6.138132838039379];
+    check_list(&of_each(|test| test.t, 0.95), &t, 1e-12, "t");
+    let p = [0.06035828566363506, 0.19426056286073523, 0.00869654808938515];
+    check_list(&of_each(|test| test.p_value, 0.95), &p, 1e-12, "p");
+    let low = [-0.05425609530546427, -0.25011629767852916, 1.15754150319354];
+    check_list(&of_each(|test| test.interval[0], 0.95), &low, 1e-10, "lower ends of 95 %");
+    let high = [1.3886739876519976, 0.7998323884812462, 3.650237287557591];
+    check_list(&of_each(|test| test.interval[1], 0.95), &high, 1e-10, "upper ends of 95 %");
+    let low = [0.29593000389880836, 0.0046967657634242, 1.762496257092808];
+    check_list(&of_each(|test| test.interval[0], 0.8), &low, 1e-10, "lower ends of 80 %");
+    assert_eq!(of_each(|test| test.coefficient, 0.8), fit.coefficients(), "coefficients");
+    assert_eq!(Some(of_each(|test| test.standard_error, 0.8)), fit.standard_errors(), "standard errors");
+}
+
+/// statsmodels 0.15: `f.get_prediction([1, x, x²], weights=w)`, then `conf_int(alpha=0.05)` and `conf_int(obs=True, alpha=...)`.
+#[test]
+fn intervals_of_the_response_are_those_of_statsmodels() {
+    let fit = weighted_quadratic();
+    let observed = |x: f64, weight: f64, probability: f64| {
+        fit.observation_interval(&[x], weight, probability).expect("degrees of freedom")
+    };
+    for (x, mean, one, of_weight, half) in [
+        (
+            -0.9,
+            [1.6297975224647554, 3.1041767086677488],
+            [1.0918545444002798, 3.642119686732224],
+            [1.3788300798044117, 3.3551441513280924],
+            [2.060512464363485, 2.673461766769019],
+        ),
+        (
+            0.35,
+            [0.4623992787040869, 1.653372147290411],
+            [-0.1409131322217383, 2.2566845582162363],
+            [0.17041181221161927, 1.9453596137828786],
+            [0.7697576655622912, 1.3460137604322067],
+        ),
+    ] {
+        let found = fit.mean_interval(&[x], 0.95).expect("degrees of freedom");
+        check_list(&found, &mean, 1e-10, "of the mean");
+        check_list(&observed(x, 1.0, 0.95), &one, 1e-10, "of an observation of weight 1");
+        check_list(&observed(x, 2.5, 0.95), &of_weight, 1e-10, "of an observation of weight 2.5");
+        check_list(&observed(x, 1.0, 0.5), &half, 1e-10, "of one half");
+    }
+}
+
+/// What a 95 % interval of a line promises, over 4000 sets of seven normal errors: a share of 0.95 ± 0.014, four standard errors.
+#[test]
+fn intervals_of_a_line_hold_as_often_as_they_say() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let points = [-1.0, -0.7, -0.2, 0.1, 0.3, 0.8, 1.0];
+    let (model, mut held) = (Model::linear(1).expect("a valid model"), [0; 3]);
+    let mut normal = || Distribution::<f64>::sample(&StandardNormal, &mut rng);
+    for _ in 0..4000 {
+        let values = points.iter().map(|x| 2.0 - 3.0 * x + 0.5 * normal()).collect();
+        let fit = Regression::fit(&model, &Data::new(1, points.to_vec(), values).expect("valid data")).expect("a fit");
+        let holds = |[low, high]: [f64; 2], truth: f64| usize::from(low <= truth && truth <= high);
+        held[0] += holds(fit.coefficient_tests(0.95).expect("degrees of freedom")[1].interval, -3.0);
+        held[1] += holds(fit.mean_interval(&[0.5], 0.95).expect("degrees of freedom"), 0.5);
+        let new = 0.5 + 0.5 * normal();
+        held[2] += holds(fit.observation_interval(&[0.5], 1.0, 0.95).expect("degrees of freedom"), new);
+    }
+    for (held, what) in held.iter().zip(["slope", "mean", "observation"]) {
+        check_close(*held as f64 / 4000.0, 0.95, 0.014, what);
+    }
+}
+
+/// A model that meets the data exactly leaves no doubt of what is other than zero.
+#[test]
+fn exact_data_leave_no_doubt() {
+    let data = Data::new(1, vec![-1.0, 0.0, 1.0], vec![0.0; 3]).expect("valid data");
+    let line = Regression::fit(&Model::linear(1).expect("a valid model"), &data).expect("enough data");
+    for test in line.coefficient_tests(0.9).expect("a degree of freedom") {
+        assert_eq!((test.t, test.p_value, test.interval), (0.0, 1.0, [0.0; 2]), "nothing against zero");
+    }
+    assert_eq!(line.observation_interval(&[7.0], 1.0, 0.9), Ok([0.0; 2]), "no error");
+    let data = Data::new(1, vec![-1.0, 0.0, 1.0], vec![1.0, 2.0, 3.0]).expect("valid data");
+    let line = Regression::fit(&Model::linear(1).expect("a valid model"), &data).expect("enough data");
+    for test in line.coefficient_tests(0.9).expect("a degree of freedom") {
+        assert!(test.p_value < 1e-10, "{test:?}");
     }
 }
