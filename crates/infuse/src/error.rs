@@ -290,6 +290,14 @@ pub enum Error {
         /// How many constraints there are.
         n_constraints: usize,
     },
+    /// More constrained responses than there are constraints.
+    #[error("{found} constrained responses, expected at most {most}: one per constraint")]
+    TooManyConstrained {
+        /// The number given.
+        found: usize,
+        /// How many constraints there are.
+        most: usize,
+    },
     /// A value of a constrained response that cannot be used.
     #[error("trial {id}: `{constraint}` is {value}, expected a number of at most 1e100 in magnitude")]
     ConstrainedValue {

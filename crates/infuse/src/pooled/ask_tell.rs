@@ -79,13 +79,38 @@ impl Loop {
 
     /// Asks and tells until the campaign ends, with experiments and simulations that answer at once.
     ///
+    /// An experiment gives the response that is to be made small, or [`Responses`] where there are
+    /// [constraints](crate::pooled::Settings::constraints), or else the reason why it gave none:
+    ///
+    /// ```
+    /// use design_space::{Cell, Parameter, Region};
+    /// use infuse::pooled::{Constraint, Loop, Responses, Settings, Trial};
+    ///
+    /// let region = Region::new(vec![Parameter::continuous("force", "N", 0.0, 10.0)?.with_levels(21)?])?;
+    /// let mut settings = Settings::new(5);
+    /// settings.max_batches = 2;
+    /// settings.constraints = vec![Constraint::at_most("travel", 6.0)];
+    /// let mut campaign = Loop::new(&region, settings)?;
+    /// // The more force the better, but each newton moves it by a millimeter.
+    /// let mut simulation = |_: Cell, p: &[f64]| Ok(10.0 - p[0]);
+    /// let mut rig = |trial: &Trial| {
+    ///     let force = trial.point[0];
+    ///     Ok(Responses { objective: 10.0 - 0.9 * force, constrained: vec![Some(force)] })
+    /// };
+    /// campaign.run(&mut simulation, &mut rig)?;
+    /// let found = campaign.assess(Some(&mut simulation))?.expect("there are responses");
+    /// assert!((5.0..=6.0).contains(&found.recommended.point[0]), "{:?}", found.recommended);
+    /// # Ok::<(), infuse::Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
-    /// Those of [`ask`](Self::ask) and [`tell`](Self::tell).
-    pub fn run(
+    /// Those of [`ask`](Self::ask), [`tell_constrained`](Self::tell_constrained) and [`tell`](Self::tell): more constrained responses
+    /// than constraints, among others. The trial at fault is then outstanding.
+    pub fn run<R: Into<Responses>>(
         &mut self,
         simulate: &mut dyn Simulate,
-        experiment: &mut impl FnMut(&Trial) -> Result<f64, String>,
+        experiment: &mut impl FnMut(&Trial) -> Result<R, String>,
     ) -> Result<StopReason, Error> {
         self.go_on(Some(simulate), experiment)
     }
@@ -94,10 +119,10 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// Those of [`ask`](Self::ask) and [`tell`](Self::tell), and [`Error::SettingCount`] if the settings ask for simulations.
-    pub fn run_without_simulation(
+    /// Those of [`run`](Self::run), and [`Error::SettingCount`] if the settings ask for simulations.
+    pub fn run_without_simulation<R: Into<Responses>>(
         &mut self,
-        experiment: &mut impl FnMut(&Trial) -> Result<f64, String>,
+        experiment: &mut impl FnMut(&Trial) -> Result<R, String>,
     ) -> Result<StopReason, Error> {
         if let Some(value) = self.settings.simulations {
             return Err(Error::SettingCount { name: "simulations", value, expected: "none where nothing simulates" });
@@ -105,10 +130,10 @@ impl Loop {
         self.go_on(None, experiment)
     }
 
-    fn go_on(
+    fn go_on<R: Into<Responses>>(
         &mut self,
         mut simulate: Option<&mut dyn Simulate>,
-        experiment: &mut impl FnMut(&Trial) -> Result<f64, String>,
+        experiment: &mut impl FnMut(&Trial) -> Result<R, String>,
     ) -> Result<StopReason, Error> {
         loop {
             let asked = match &mut simulate {
@@ -124,9 +149,18 @@ impl Loop {
                 self.due.retain(|&due| !self.simulated.contains(due));
             }
             for trial in trials {
-                self.tell(trial.id, experiment(&trial).into())?;
+                self.tell_responses(trial.id, experiment(&trial).map(Into::into))?;
             }
         }
+    }
+
+    /// All that an experiment gave; what was told of the constrained responses before stays where it gave none of them.
+    fn tell_responses(&mut self, id: TrialId, responses: Result<Responses, String>) -> Result<(), Error> {
+        let constrained = responses.as_ref().map_or(&[][..], |responses| &responses.constrained);
+        if !constrained.is_empty() {
+            self.tell_constrained(id, constrained)?;
+        }
+        self.tell(id, responses.map(|responses| responses.objective).into())
     }
 
     /// New trials at these cells, as one more batch: for experiments that the experimenter wants.
@@ -189,7 +223,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::DesignSpace`] for a cell that does not exist, [`Error::WrongLength`] for more values than constraints.
+    /// [`Error::DesignSpace`] for a cell that does not exist, [`Error::TooManyConstrained`] for more values than constraints.
     pub fn tell_simulated(&mut self, cell: Cell, responses: Responses) -> Result<(), Error> {
         self.designs.grid().digits(cell)?;
         self.check_constrained(&responses.constrained)?;
@@ -203,7 +237,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownTrial`], [`Error::WrongLength`] for more values than constraints, [`Error::ConstrainedValue`]. The state
+    /// [`Error::UnknownTrial`], [`Error::TooManyConstrained`] for more values than constraints, [`Error::ConstrainedValue`]. The state
     /// is then as before.
     pub fn tell_constrained(&mut self, id: TrialId, values: &[Option<f64>]) -> Result<(), Error> {
         if !self.records.iter().any(|record| record.trial.id == id) {
@@ -244,7 +278,7 @@ impl Loop {
     ///
     /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
     /// width outside of its bounds, [`Error::Setting`] for a response that is not finite or beyond 1e100,
-    /// [`Error::WrongLength`] for more constrained responses than constraints.
+    /// [`Error::TooManyConstrained`] for more constrained responses than constraints.
     pub fn add_earlier(
         &mut self,
         point: &[f64],
@@ -298,8 +332,8 @@ impl Loop {
     }
 
     fn check_constrained(&self, values: &[Option<f64>]) -> Result<(), Error> {
-        let (expected, found) = (self.settings.constraints.len(), values.len());
-        if found <= expected { Ok(()) } else { Err(Error::WrongLength { name: "constrained", expected, found }) }
+        let (most, found) = (self.settings.constraints.len(), values.len());
+        if found <= most { Ok(()) } else { Err(Error::TooManyConstrained { found, most }) }
     }
 
     fn record(&mut self, id: TrialId, actual: Option<Vec<f64>>, outcome: Outcome, again: bool) -> Result<(), Error> {

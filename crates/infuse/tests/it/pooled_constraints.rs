@@ -2,7 +2,9 @@
 
 use design_space::{Cell, Parameter, Region};
 use infuse::Outcome;
-use infuse::pooled::{Ask, Assessment, Constraint, LinearConstraint, Loop, Needed, Responses, Settings, Simulate};
+use infuse::pooled::{
+    Ask, Assessment, Constraint, LinearConstraint, Loop, Needed, Responses, Settings, Simulate, StopReason, Trial,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -78,6 +80,53 @@ fn recommended_design_keeps_to_its_bounds_and_is_nearly_the_best_that_does() {
         assert!(regret <= found.certificate.bound + 1e-9, "seed {seed}: {regret} {}", found.certificate.bound);
         assert!(found.recommended.suffices && found.recommended.constrained[0].within >= 0.9);
     }
+}
+
+/// A campaign that runs by itself is the one that is asked and told by hand, which the test above holds against the truth.
+#[test]
+fn a_campaign_that_runs_by_itself_tells_the_constrained_responses_too() {
+    for with_simulation in [true, false] {
+        let mut settings = Settings::new(8);
+        (settings.max_batches, settings.seed) = (4, 2);
+        settings.constraints = vec![Constraint::at_most("travel", 1.0)];
+        let mut campaign = Loop::new(&square(11), settings).expect("a campaign");
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let mut both = |_: Cell, point: &[f64]| {
+            Ok(Responses { objective: rough(point), constrained: vec![Some(rough_travel(point))] })
+        };
+        let mut rig = |trial: &Trial| {
+            let objective = truth(&trial.point) + 0.02 * normal(&mut rng);
+            Ok(Responses { objective, constrained: vec![Some(travel(&trial.point) + 0.02 * normal(&mut rng))] })
+        };
+        let stop = if with_simulation {
+            campaign.run(&mut both, &mut rig).expect("it ends")
+        } else {
+            campaign.run_without_simulation(&mut rig).expect("it ends")
+        };
+        assert_eq!(stop, StopReason::MaxBatches);
+        let found = campaign.assess(given(with_simulation, &mut both)).expect("a fit").expect("responses");
+        assert_eq!(found, self::campaign(2, 11, with_simulation), "with a simulation: {with_simulation}");
+    }
+}
+
+#[test]
+fn constrained_responses_that_cannot_be_end_a_run() {
+    let run = |constrained: Vec<Option<f64>>| {
+        let mut settings = Settings::new(4);
+        (settings.max_batches, settings.constraints) = (1, vec![Constraint::at_most("travel", 1.0)]);
+        let mut campaign = Loop::new(&square(11), settings).expect("a campaign");
+        let responses = Responses { objective: 1.0, constrained };
+        let ended = campaign.run_without_simulation(&mut |_| Ok(responses.clone()));
+        (ended.map_err(|error| error.to_string()), campaign.outstanding().len())
+    };
+    let (ended, outstanding) = run(vec![Some(0.5), None]);
+    assert_eq!(ended, Err("2 constrained responses, expected at most 1: one per constraint".into()));
+    assert_eq!(outstanding, 4, "nothing was told");
+    let (ended, outstanding) = run(vec![Some(f64::NAN)]);
+    let message = "trial 1: `travel` is NaN, expected a number of at most 1e100 in magnitude";
+    assert_eq!((ended, outstanding), (Err(message.into()), 4), "no number");
+    assert_eq!(run(vec![None]), (Ok(StopReason::MaxBatches), 0), "not measured");
+    assert_eq!(run(Vec::new()), (Ok(StopReason::MaxBatches), 0), "left out");
 }
 
 #[test]

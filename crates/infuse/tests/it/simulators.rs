@@ -16,7 +16,7 @@ fn assessment(simulate: &mut dyn Simulate) -> Assessment {
     let mut settings = Settings::new(6);
     settings.max_batches = 2;
     let mut campaign = Loop::new(&Region::new(parameters).expect("distinct names"), settings).expect("valid settings");
-    let mut experiment = |trial: &infuse::pooled::Trial| Ok(trial.point.iter().map(|x| (x - 0.4).powi(2)).sum());
+    let mut experiment = |trial: &infuse::pooled::Trial| Ok(trial.point.iter().map(|x| (x - 0.4).powi(2)).sum::<f64>());
     campaign.run(simulate, &mut experiment).expect("a campaign that ends");
     campaign.assess(Some(simulate)).expect("responses that can be fitted").expect("there are responses")
 }
