@@ -282,6 +282,14 @@ pub enum Error {
         /// What is allowed.
         expected: &'static str,
     },
+    /// Two constraints that nobody can tell apart.
+    #[error("constraint `{constraint}` is there {n_times} times, expected each name once")]
+    SecondConstraint {
+        /// The name.
+        constraint: String,
+        /// How many constraints have it.
+        n_times: usize,
+    },
     /// Constraints on the settings that no design keeps to.
     #[error(
         "no design was found that keeps to the linear constraints, {n_constraints} bounds in all; expected some that do"

@@ -165,7 +165,7 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`], [`Error::SettingCount`], [`Error::Constraint`].
+    /// [`Error::Setting`], [`Error::SettingCount`], [`Error::Constraint`], [`Error::SecondConstraint`] for two of one name.
     pub fn validate(&self) -> Result<(), Error> {
         count("n_experiments", self.n_experiments, 1..=1000, "1 to 1000")?;
         if let Some(simulations) = self.simulations {
@@ -176,6 +176,10 @@ impl Settings {
         count("structures", self.structures.len(), 1..=1000, "at least one structure")?;
         for constraint in &self.constraints {
             constraint.validate()?;
+            let n_times = self.constraints.iter().filter(|other| other.name == constraint.name).count();
+            if n_times > 1 {
+                return Err(Error::SecondConstraint { constraint: constraint.name.clone(), n_times });
+            }
         }
         if let Some(plants) = &self.plants {
             plants.validate()?;
@@ -222,6 +226,9 @@ mod tests {
         };
         assert!(with(|settings| settings.noise = Some(0.0)) && with(|settings| settings.worth = Some(3.0)));
         assert!(with(|settings| settings.least = Some(-3.0)) && !with(|settings| settings.least = Some(f64::NAN)));
+        let two = [Constraint::at_most("travel", 1.0), Constraint::at_least("travel", 0.0)];
+        let alike = Settings { constraints: two.to_vec(), ..Settings::new(7) }.validate();
+        assert_eq!(alike, Err(Error::SecondConstraint { constraint: "travel".into(), n_times: 2 }));
         assert!(!with(|settings| settings.noise = Some(-1.0)) && !with(|settings| settings.worth = Some(f64::NAN)));
     }
 }

@@ -214,6 +214,9 @@ fn linear_constraints_that_cannot_be_are_refused() {
     settings.constraints = vec![both];
     let refused = settings.validate().expect_err("upside down").to_string();
     assert!(refused.contains("`travel`") && refused.contains("above the lower one"), "{refused}");
+    settings.constraints = ["force", "travel", "force"].map(|name| Constraint::at_most(name, 1.0)).to_vec();
+    let refused = Loop::new(&square(11), settings).map(|_| ()).expect_err("nobody can tell them apart").to_string();
+    assert_eq!(refused, "constraint `force` is there 2 times, expected each name once");
 }
 
 /// Sixteen pairs of choices, each run once: a quadratic has as many terms, and what they differ by may be noise. Of six runs of one design
