@@ -20,6 +20,11 @@ mod pure_error;
 mod traced;
 mod trial;
 
+/// What regions and models are made of, from the crate `design-space`, for those who need no more of it.
+#[doc(no_inline)]
+pub use design_space::Error as DesignSpaceError;
+#[doc(no_inline)]
+pub use design_space::{Cell, Grid, Levels, Model, Parameter, Region, Term};
 pub use error::Error;
 pub use ledger::Record;
 pub use problem::{CodesignProblem, Role};

@@ -25,6 +25,15 @@ mod weighted_average;
 
 pub use compare::{Comparison, Kind, compare};
 pub use data::Data;
+/// What models, spaces and designs are made of, from the crates `design-space` and `doe`, for those who need no more of these.
+#[doc(no_inline)]
+pub use design_space::Error as DesignSpaceError;
+#[doc(no_inline)]
+pub use design_space::{Model, Term};
+#[doc(no_inline)]
+pub use doe::Error as DesignError;
+#[doc(no_inline)]
+pub use doe::{Axis, Confounding, Design, Space};
 pub use error::Error;
 pub use inverse_distance::InverseDistance;
 pub use lack_of_fit::LackOfFit;
