@@ -88,7 +88,7 @@ const BASES: [(&str, &str, &str); 7] = [
 ];
 
 /// Derived units that take prefixes.
-const PREFIXED: [(&str, &str); 24] = [
+const PREFIXED: [(&str, &str); 26] = [
     ("Hz", "1/s"),
     ("N", "kg*m/s^2"),
     ("Pa", "N/m^2"),
@@ -113,10 +113,12 @@ const PREFIXED: [(&str, &str); 24] = [
     ("l", "dm^3"),
     ("eV", "1.602176634e-19*J"),
     ("bar", "1e5*Pa"),
+    ("Wh", "3600*J"),
+    ("Ah", "3600*C"),
 ];
 
 /// Other units, without prefixes.
-const PLAIN: [(&str, &str); 34] = [
+const PLAIN: [(&str, &str); 41] = [
     ("%", "0.01"),
     ("‰", "0.001"),
     ("ppm", "1e-6"),
@@ -126,6 +128,7 @@ const PLAIN: [(&str, &str); 34] = [
     ("arcsec", "deg/3600"),
     ("rev", "2*pi*rad"),
     ("min", "60*s"),
+    ("rpm", "rev/min"),
     ("h", "3600*s"),
     ("hr", "3600*s"),
     ("d", "86400*s"),
@@ -134,9 +137,16 @@ const PLAIN: [(&str, &str); 34] = [
     ("ha", "1e4*m^2"),
     ("au", "149597870700*m"),
     ("atm", "101325*Pa"),
+    ("Torr", "atm/760"),
+    // The conventional one: a column of 13595.1 kg/m^3 in standard gravity.
+    ("mmHg", "133.322387415*Pa"),
+    ("inHg", "25.4*mmHg"),
     ("cal", "4.184*J"),
+    ("kcal", "1000*cal"),
     ("St", "1e-4*m^2/s"),
+    ("cSt", "St/100"),
     ("P", "0.1*Pa*s"),
+    ("cP", "P/100"),
     ("in", "0.0254*m"),
     ("ft", "0.3048*m"),
     ("yd", "0.9144*m"),
@@ -198,7 +208,8 @@ impl Units {
         units
     }
 
-    /// The SI with its prefixes, `rad` and `sr` being 1, and common units beside it (`deg`, `%`, `min`, `L`, `ft`, …).
+    /// The SI with its prefixes, `rad` and `sr` being 1, and common units beside it (`deg`, `%`, `min`, `rpm`, `L`, `kWh`, `mmHg`,
+    /// `cP`, `ft`, …).
     #[must_use]
     pub fn si() -> Self {
         Self::with_radian(&Dimension::one())

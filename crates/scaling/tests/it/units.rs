@@ -103,6 +103,38 @@ fn prefixes_scale_and_whole_symbols_go_first() {
     check("eV", "801088317/5000000000000000000000000000", "M*L^2/T^2");
 }
 
+/// The factors of Appendix B.8 of NIST SP 811 (2008), which are rounded there to seven digits unless exact.
+#[test]
+fn engineering_units_have_the_published_factors() {
+    let published = [
+        ("rpm", "rad/s", 1.047198e-1, 7),
+        ("rev/min", "rad/s", 1.047198e-1, 7),
+        ("Wh", "J", 3.6e3, 16),
+        ("kWh", "J", 3.6e6, 16),
+        ("mAh", "C", 3.6, 16),
+        ("mmHg", "Pa", 1.333224e2, 7),
+        ("inHg", "Pa", 3.386389e3, 7),
+        ("Torr", "Pa", 1.333224e2, 7),
+        ("mbar", "Pa", 1.0e2, 16),
+        ("atm", "Pa", 1.01325e5, 16),
+        ("cP", "Pa*s", 1.0e-3, 16),
+        ("cSt", "m^2/s", 1.0e-6, 16),
+        ("kcal", "J", 4.184e3, 16),
+    ];
+    for (symbol, si, factor, digits) in published {
+        let (unit, si) = (Units::si().parse(symbol).unwrap(), Units::si().parse(si).unwrap());
+        assert_eq!((unit.dimension, si.factor.to_string().as_str()), (si.dimension, "1"), "{symbol}");
+        // Half a unit of the last digit of a number that begins with a 1 is the most that rounding leaves.
+        let (found, tolerance) = (unit.factor.to_f64(), 0.5 * 10.0_f64.powi(1 - digits));
+        assert!((found / factor - 1.0).abs() <= tolerance, "{symbol}: {found} against {factor}");
+    }
+    // What is conventional is exact.
+    check("mmHg", "26664477483/200000000", "M/(L*T^2)");
+    check("Torr", "20265/152", "M/(L*T^2)");
+    check("rpm", "pi/30", "1/T");
+    assert_eq!(Units::si_with_angle().parse("rpm").unwrap().dimension.to_string(), "angle/T", "an angle that counts");
+}
+
 #[test]
 fn every_base_of_the_si_is_there() {
     check("A*s", "1", "T*I");
