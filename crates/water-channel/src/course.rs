@@ -59,10 +59,27 @@ impl Course {
     }
 }
 
+/// The most samples of a test: more would take days, or all memory where each has a row.
+const MOST_SAMPLES: f64 = 1e8;
+
+fn count(duration_s: f64, sample_time_s: f64) -> f64 {
+    (duration_s / sample_time_s - 1e-6).ceil()
+}
+
+/// A test that does not have too many samples, and how many they are.
+pub(crate) fn checked_count(duration_s: f64, sample_time_s: f64) -> Result<f64, Error> {
+    let value = count(duration_s, sample_time_s);
+    if value <= MOST_SAMPLES {
+        return Ok(value);
+    }
+    let allowed = "at most 1e8: a shorter test, or a longer sample time";
+    Err(Error::Argument { name: "number of samples of the test", value, allowed })
+}
+
 /// Samples that begin within a test.
 pub(crate) fn samples(duration_s: f64, sample_time_s: f64) -> Result<usize, Error> {
-    let count = (duration_s / sample_time_s - 1e-6).ceil();
-    if sample_time_s > 0.0 && (1.0..=1e8).contains(&count) {
+    let count = count(duration_s, sample_time_s);
+    if sample_time_s > 0.0 && (1.0..=MOST_SAMPLES).contains(&count) {
         return Ok(count as usize);
     }
     Err(Error::Argument {

@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::error::{Error, FlightError};
-use crate::flight::{Flight, FlightRequest, Kind, Ready, Tables, fly_logged};
+use crate::flight::{Flight, FlightRequest, Kind, Ready, Tables, check_log, fly_logged};
 use crate::integrate::{Ending, Setup, integrate};
 use crate::log::{FlightLog, LogRow};
 use crate::profile::TestProfile;
@@ -72,6 +72,9 @@ fn logged_abreast(
     every: usize,
 ) -> Option<Vec<Result<(Flight, FlightLog), FlightError>>> {
     if requests.len() < 2 || every == 0 || settings.validate().is_err() {
+        return None;
+    }
+    if requests.iter().any(|request| check_log(&request.rig, profile, every).is_err()) {
         return None;
     }
     let mut tables = Tables::of(profile);

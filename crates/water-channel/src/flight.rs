@@ -6,7 +6,7 @@ use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Trim, TrimHeight, TrimReq
 use tether_control::{Controller, SetPoints};
 
 use crate::cost::Integrals;
-use crate::course::Course;
+use crate::course::{Course, checked_count};
 use crate::energy::{Energy, Meter};
 use crate::error::{Error, FlightError};
 use crate::footprint::footprint_m2;
@@ -162,6 +162,7 @@ impl Ready {
         let profile = tables.profile;
         let plant = request.rig.plant(request.fidelity)?;
         let controller = request.rig.controller()?;
+        checked_count(profile.duration_s(), controller.parameters().sample_time_s)?;
         let viewer = request.rig.viewer()?;
         let water = tables.get(controller.parameters().sample_time_s, seed)?;
         let trim = trim_at(&plant, &request.rig.set_points, profile.flow().at(0.0))?;
@@ -197,10 +198,21 @@ impl Ready {
     }
 }
 
+/// A log of this test that is not too long: one of 1e7 rows takes gigabytes.
+pub(crate) fn check_log(rig: &Rig, profile: &TestProfile, every: usize) -> Result<(), Error> {
+    let value = (checked_count(profile.duration_s(), rig.sample_time_s)? / every as f64).ceil();
+    if value <= 1e7 {
+        return Ok(());
+    }
+    let allowed = "at most 1e7: more samples per row, or a shorter test";
+    Err(Error::Argument { name: "number of log rows", value, allowed })
+}
+
 /// Flies `request` through `profile`, from trim at the profile's first flow or the departure from it that the profile sets.
 ///
 /// # Errors
-/// [`FlightError`]: the flight cannot start, by cameras that see too little for a pose either, leaves the model, or a line goes slack where that is an error.
+/// [`FlightError`]: the flight cannot start, by cameras that see too little for a pose or by more than 1e8 samples either, leaves the model,
+/// or a line goes slack where that is an error.
 pub fn fly(request: &FlightRequest, profile: &TestProfile, settings: &FlightSettings) -> Result<Flight, FlightError> {
     settings.validate()?;
     let ready = Ready::new(request, &mut Tables::of(profile), None)?;
@@ -211,7 +223,8 @@ pub fn fly(request: &FlightRequest, profile: &TestProfile, settings: &FlightSett
 /// Flies like [`fly`] and keeps every `every`-th sample; the log ends where a failed flight ends.
 ///
 /// # Errors
-/// [`FlightError::Start`] when there is no flight at all. A flight that fails later has a log and an outcome.
+/// [`FlightError::Start`] when there is no flight at all, or a log of more than 1e7 rows. A flight that fails later has a log and an
+/// outcome.
 pub fn fly_logged(
     request: &FlightRequest,
     profile: &TestProfile,
@@ -223,6 +236,7 @@ pub fn fly_logged(
         return Err(Error::Argument { name: "samples per log row", value: 0.0, allowed: "at least 1" }.into());
     }
     let ready = Ready::new(request, &mut Tables::of(profile), None)?;
+    check_log(&request.rig, profile, every)?;
     let mut rows = Vec::new();
     let mut sample = 0;
     let [ending] = one(&ready, profile, settings, |seen| {

@@ -3,7 +3,8 @@
 use bat_dynamics::Error as PlantError;
 use tether_control::FilteredPd;
 use water_channel::{
-    Error, FlightError, FlightRequest, FlightSettings, SlackPolicy, TestProfile, Window, fly, fly_logged,
+    Error, FlightError, FlightRequest, FlightSettings, SlackPolicy, TestProfile, Window, fly, fly_all, fly_all_logged,
+    fly_logged,
 };
 
 use crate::rigs::{assert_close, first_row, full_test, short_test, steps};
@@ -121,4 +122,28 @@ fn settings_out_of_range_are_named() {
     let error = fly_logged(&first_row(), &full_test(), &FlightSettings::default(), 0).unwrap_err();
     let FlightError::Start(Error::Argument { name, .. }) = &error else { panic!("{error:?}") };
     assert_eq!(*name, "samples per log row");
+}
+
+/// By hand: 1e13 s with a sample every 0.1 s are 1e14 samples, 1.5e6 s are 1.5e7. Nothing is flown, or the test would not end.
+#[test]
+fn tests_of_too_many_samples_are_refused_before_they_fly() {
+    let mut request = first_row();
+    request.rig.sample_time_s = 0.1;
+    let settings = FlightSettings::with_steps(1);
+    let expected = "cannot start: number of samples of the test = 100000000000000: it must be at most 1e8: a shorter test, or a \
+                    longer sample time";
+    let endless = short_test(1e13);
+    assert_eq!(fly(&request, &endless, &settings).unwrap_err().to_string(), expected);
+    assert_eq!(fly_logged(&request, &endless, &settings, 1_000_000_000).unwrap_err().to_string(), expected);
+    let requests = vec![request.clone(); 2];
+    for result in fly_all(&requests, &endless, &settings, |_| {}) {
+        assert_eq!(result.unwrap_err().to_string(), expected, "side by side");
+    }
+    let expected =
+        "cannot start: number of log rows = 15000000: it must be at most 1e7: more samples per row, or a shorter test";
+    let long = short_test(1.5e6);
+    assert_eq!(fly_logged(&request, &long, &settings, 1).unwrap_err().to_string(), expected);
+    for result in fly_all_logged(&requests, &long, &settings, 1) {
+        assert_eq!(result.unwrap_err().to_string(), expected, "side by side");
+    }
 }
