@@ -67,6 +67,27 @@ impl Units {
 impl Sites {
     /// These data, with the simulated response at each point if there is a simulation.
     ///
+    /// Priors are about the mean of the values, in their standard deviation. One value, or values that are all equal, have none, and
+    /// what the response varies by over its factors cannot be read from them: the standard deviation of the simulated responses is
+    /// then taken, and where there is none either a millionth of the value. A process is then sure of that value everywhere. Who
+    /// knows by how much responses differ says so with [`in_units`](Self::in_units):
+    ///
+    /// ```
+    /// use surface::Data;
+    /// use surface::process::{AveragedProcess, Places, SamplerSettings, Sites};
+    ///
+    /// let one = Sites::new(&Data::new(1, vec![0.0], vec![5.0])?, None)?;
+    /// let elsewhere = Places::new(1, &[0.9])?;
+    /// let deviation = |sites: Sites| -> Result<f64, surface::Error> {
+    ///     let process = AveragedProcess::new(sites, &SamplerSettings::default())?;
+    ///     Ok(process.marginals(&elsewhere)?.variances[0].sqrt())
+    /// };
+    /// assert!(deviation(one.clone())? < 1e-4, "far too sure");
+    /// // Responses are known to be about 4, give or take 2.
+    /// assert!(deviation(one.in_units(4.0, 2.0)?)? > 0.5);
+    /// # Ok::<(), surface::Error>(())
+    /// ```
+    ///
     /// # Errors
     ///
     /// [`Error::Length`] unless there is one simulated response per point, [`Error::Value`].
