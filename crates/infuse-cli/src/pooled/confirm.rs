@@ -116,8 +116,9 @@ impl Campaign {
     /// is the same for all. Runs that are set aside say nothing of it.
     fn noise_of_repeats(&self) -> Result<Option<PureError>> {
         let aside = self.assessment()?.map(|found| set_aside(self, &found)).unwrap_or_default();
-        let counted = self.readings().into_iter().filter(|(origin, _)| !aside.contains(origin));
-        Ok(PureError::of_readings(counted.map(|(origin, cost)| (self.settings_of(origin), cost))))
+        let counted =
+            self.origins().into_iter().zip(self.runs_to_compare()).filter(|(origin, _)| !aside.contains(origin));
+        Ok(PureError::of_readings(counted.map(|(_, run)| run)))
     }
 
     /// The designs of a batch that is to confirm, first the recommended one.

@@ -1,6 +1,7 @@
 //! Campaigns of people who have no simulation: experiments alone tell.
 
 use serde_json::json;
+use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 use crate::pooled::{ask, batch, best, rig_of, tell, wells, wobble};
 use crate::rig::Rig;
@@ -140,8 +141,15 @@ fn a_campaign_may_end_by_what_the_surface_alone_says() {
         "{status}"
     );
     let now = "By what the surface alone says it may end now: `by = \"surface\"` under [stop] does so, at the risk of";
-    let or_smooth = "write `smooth = true` under [stop], and it may end now; `by = \"surface\"` under [stop] ends it";
-    assert!(status.contains(now) || status.contains(or_smooth), "{status}");
+    assert!(status.contains(now), "{status}");
+    // With what so few results may not have shown it is 30, and the reserve alone is more than that.
+    rig.edit("worth = 10", "worth = 40");
+    let status = rig.infuse(&["status"]).ok();
+    assert!(
+        status.contains("Nothing but what is held for a narrow well keeps the campaign going: if the response"),
+        "{status}"
+    );
+    rig.edit("worth = 40", "worth = 10");
     rig.edit("worth = 10", "worth = 10\nby = \"surface\"");
     let by_the_surface = rig.status();
     assert_eq!((&by_the_surface["stage"], &by_the_surface["stops_by"]), (&json!("ended"), &json!("surface")));
@@ -197,6 +205,82 @@ fn a_rig_that_drifts_is_said_and_allowed_for() {
     let rig = rig_of(|a, b| wells(a, b, DEPTHS), "blocks = true\nmethod = \"dissertation\"\n");
     let error = rig.infuse(&["check"]).error();
     assert!(error.contains("`blocks` belongs to `method` = \"pooled\""), "{error}");
+}
+
+/// Forty experiments from elsewhere, all within a corner, leave as much unseen as a few would.
+#[test]
+fn imported_runs_that_crowd_are_said_to_count_for_few() {
+    let rig = rig("");
+    let rows: String = (0..40)
+        .map(|at| {
+            let (a, b) = (0.05 * f64::from(at % 8), 0.1 * f64::from(at / 8));
+            format!("{a},{b},{:.4}\n", wells(a, b, DEPTHS) + wobble(at as u64))
+        })
+        .collect();
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n{rows}"));
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))));
+    let status = rig.infuse(&["status"]).ok();
+    let said = " so far, a repeat counting half, and imported ones that crowd for as few as would tell as much)";
+    assert!(status.contains(said), "{status}");
+    assert!(rig.status()["designs_counted"].as_f64() < Some(25.0), "{status}");
+}
+
+/// Of what is maximized more is left up to `upper`, and the best value is the highest.
+#[test]
+fn what_is_left_of_what_is_maximized_is_up_to_its_best() {
+    let rig = rig("");
+    rig.edit("goal = \"minimize\"", "goal = \"maximize\"\nupper = 21");
+    for _ in 0..2 {
+        assert!(batch(&rig, |a, b, id| Ok(20.0 - a - b + 0.01 * wobble(id))));
+    }
+    let status = rig.infuse(&["status"]).ok();
+    assert!(status.contains("More is not to be had: that is what is left up to 21 N, the best value that"), "{status}");
+}
+
+/// Student's interval by all repeats of the campaign, those of earlier batches among them; with `blocks` by those of one batch.
+#[test]
+fn what_confirms_takes_its_noise_from_all_repeats() {
+    let rig = rig("");
+    let mut told: Vec<((u64, u64), u64, f64)> = Vec::new();
+    let mut n_batches = 0;
+    let mut batch_of = |asked: &serde_json::Value, rig: &Rig| {
+        n_batches += 1;
+        tell(rig, asked["experiments"].as_array().unwrap(), |a, b, id| {
+            let value = 50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id);
+            told.push(((a as u64, b as u64), n_batches, (1e4 * value).round() / 1e4));
+            Ok(value)
+        });
+    };
+    for _ in 0..3 {
+        let asked = ask(&rig);
+        batch_of(&asked, &rig);
+    }
+    let asked: serde_json::Value = serde_json::from_str(&rig.infuse(&["confirm", "--json"]).ok()).unwrap();
+    batch_of(&asked, &rig);
+    // By hand: the squares about the mean of each group, and how many they are beyond one a group.
+    let pure_error = |is_split: bool| {
+        let mut groups: std::collections::BTreeMap<_, Vec<f64>> = std::collections::BTreeMap::new();
+        for (settings, batch, value) in &told {
+            groups.entry((settings, if is_split { *batch } else { 0 })).or_default().push(*value);
+        }
+        let squares = groups.values().map(|values| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
+        });
+        let degrees: usize = groups.values().map(|values| values.len() - 1).sum();
+        (squares.sum::<f64>() / degrees as f64, degrees)
+    };
+    let half = |rig: &Rig| rig.status()["confirmed"]["designs"][0]["mean_give_or_take"].as_f64().unwrap();
+    let expected = |(variance, degrees): (f64, usize)| {
+        let student = StudentsT::new(0.0, 1.0, degrees as f64).unwrap();
+        student.inverse_cdf(0.95) * (variance / 3.0).sqrt()
+    };
+    let (all, within) = (pure_error(false), pure_error(true));
+    assert!((half(&rig) / expected(all) - 1.0).abs() < 1e-6, "{} and {all:?}", half(&rig));
+    assert!(within.1 < all.1, "some settings were run in several batches: {all:?} {within:?}");
+    rig.edit("[loop]", "[loop]\nblocks = true");
+    assert!((half(&rig) / expected(within) - 1.0).abs() < 1e-6, "{} and {within:?}", half(&rig));
 }
 
 #[test]
