@@ -204,6 +204,10 @@ impl Campaign {
     /// The settings of the loop as the file has them: on a logarithmic scale factors, and that scale.
     pub(super) fn settings_as_said(&self) -> Value {
         let (mut said, response) = (serde_json::to_value(&self.settings).unwrap_or_default(), &self.problem.response);
+        // As the file calls it.
+        if let Some(stop_by) = said.as_object_mut().and_then(|said| said.remove("stop_by")) {
+            said["by"] = stop_by;
+        }
         if response.scale == Scale::Log {
             said["noise"] = json!(self.problem.rule.noise);
             said["worth"] = json!(self.problem.worth);
@@ -499,18 +503,18 @@ impl Campaign {
 
     /// What all runs of equal settings tell of the noise.
     pub(super) fn repeats(&self) -> Option<PureError> {
-        PureError::of_readings(self.runs_to_compare())
+        PureError::of_readings(self.runs_to_compare(false))
     }
 
-    /// The readings of the loop in its order, each with its settings and its cost. Where runs of a batch share an error, those of another batch
-    /// are no repeats: what they are of stands behind the settings.
-    pub(super) fn runs_to_compare(&self) -> Vec<(Vec<f64>, f64)> {
+    /// The readings of the loop in its order, each with its settings and its cost. Where runs of a batch share an error, as the file says or as
+    /// they drift, those of another batch are no repeats: what they are of stands behind the settings.
+    pub(super) fn runs_to_compare(&self, drifts: bool) -> Vec<(Vec<f64>, f64)> {
         let readings = self.readings();
         let firsts = self.experiments.readings.values().filter_map(|reading| reading.first.as_ref()?.value());
         let n_before = readings.len() - firsts.count();
         let run = |(at, (origin, cost)): (usize, (Origin, f64))| {
             let mut settings = self.settings_of(origin);
-            if self.settings.blocks {
+            if self.settings.blocks || drifts {
                 settings.extend(self.block_of(origin, (at < n_before).then_some(at)));
             }
             (settings, cost)

@@ -117,7 +117,7 @@ impl Campaign {
     fn noise_of_repeats(&self) -> Result<Option<PureError>> {
         let aside = self.assessment()?.map(|found| set_aside(self, &found)).unwrap_or_default();
         let counted =
-            self.origins().into_iter().zip(self.runs_to_compare()).filter(|(origin, _)| !aside.contains(origin));
+            self.origins().into_iter().zip(self.runs_to_compare(false)).filter(|(origin, _)| !aside.contains(origin));
         Ok(PureError::of_readings(counted.map(|(_, run)| run)))
     }
 

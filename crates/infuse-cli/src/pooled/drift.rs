@@ -8,32 +8,59 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use super::campaign::Campaign;
+use crate::number::{short, with_unit};
+use crate::problem::Held;
 
-/// Blocks that are named, of those of so many runs at least.
+/// Blocks that are named, those that are farthest off, of those of so many runs at least.
 const MOST_NAMED: usize = 6;
 const FEWEST: usize = 3;
 
-/// That the rig drifts, as far as results are sure of it, and what allows for that.
-pub(super) fn warning(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
-    let drift = found.drift.as_ref().filter(|drift| drift.is_sure())?;
+/// Whether the results are sure that the rig drifts.
+pub(super) fn is_sure(found: &Assessment) -> bool {
+    found.drift.as_ref().is_some_and(Drift::is_sure)
+}
+
+/// That the rig drifts, as far as results are sure of it, and what allows for that: of the response, and of each one that is constrained.
+pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
     let response = &campaign.problem.response;
-    let named = named(drift).map(|shift| {
-        let side = match shift.by.total_cmp(&0.0) {
-            Ordering::Less => better_side(response.worse_side()),
-            _ => response.worse_side(),
-        };
-        format!("{} {} {side}", of_block(&shift.block), response.amount(shift.by.abs()))
+    let of_response = found.drift.as_ref().filter(|drift| drift.is_sure()).map(|drift| {
+        let named = named(drift, |by| {
+            let worse = response.worse_side();
+            let better = if worse == "above" { "below" } else { "above" };
+            format!("{} {}", response.amount(by.abs()), if by < 0.0 { better } else { worse })
+        });
+        let finding = warning("", &named, &response.amount(found.noise), drift);
+        let (deviation, unit) = (response.of_difference(drift.deviation), response.unit_of_differences());
+        finding.with("shared by runs of a batch", deviation, unit)
     });
-    let named = named.collect::<Vec<_>>().join(", ");
+    let of_constraints =
+        campaign.problem.constraints.iter().zip(&found.constrained_drifts).filter_map(|(held, drift)| {
+            let drift = drift.as_ref().filter(|drift| drift.is_sure())?;
+            let amount = |amount: f64| with_unit(&short(amount), &held.unit);
+            let named = named(drift, |by| format!("{} {}", amount(by.abs()), if by < 0.0 { "below" } else { "above" }));
+            let what = format!(" in `{}`", held.name());
+            let finding = warning(&what, &named, &amount(drift.noise), drift);
+            Some(finding.with("shared by runs of a batch", drift.deviation, &held.unit))
+        });
+    of_response.into_iter().chain(of_constraints).collect()
+}
+
+fn warning(what: &str, named: &str, noise: &str, drift: &Drift) -> Finding {
+    let is_farthest = |block: &Block| {
+        drift.shifts.iter().max_by(|a, b| a.by.abs().total_cmp(&b.by.abs())).is_some_and(|far| far.block == *block)
+    };
+    let has_source =
+        drift.shifts.iter().any(|shift| matches!(shift.block, Block::Source(_)) && is_farthest(&shift.block));
+    let question = match has_source {
+        true => "Does another rig, or another day, read otherwise?",
+        false => "Does the rig drift from day to day?",
+    };
     let sentence = format!(
-        "Careful: runs of one batch read alike, beyond what their settings explain: {named} what is expected of them, in the mean; the noise \
-         of one run is about {}. Does the rig drift from day to day? `blocks = true` in [loop] allows for it: runs of a batch, or of a source, \
-         then share an error that is learnt.",
-        response.amount(found.noise)
+        "Careful: runs of one batch, or of one source, read alike{what}, beyond what their settings explain: {named} what is expected of them, in \
+         the mean; the noise of one run is about {noise}. {question} `blocks = true` in [loop] allows for it: runs of a batch, or of a source, \
+         then share an error that is learnt."
     );
-    let finding = Finding::new(sentence).with("times more probable, logarithm", drift.gain, "1");
-    let (deviation, unit) = (response.of_difference(drift.deviation), response.unit_of_differences());
-    Some(finding.with("shared by runs of a batch", deviation, unit))
+    Finding::new(sentence).with("times more probable, logarithm", drift.gain, "1")
 }
 
 /// "Runs of a batch share an error", where that is allowed for.
@@ -42,14 +69,32 @@ pub(super) fn shared(campaign: &Campaign, found: &Assessment) -> Option<Finding>
     let response = &campaign.problem.response;
     let sentence = format!(
         "Runs of a batch, or of a source, share an error, as `blocks` in [loop] says: {} (standard deviation), as far as the runs tell it \
-         from the noise.",
+         from the noise; where nothing drifts about as much as that of one run, or less. What is expected is the mean over batches and sources.",
         response.amount(shared)
     );
-    Some(Finding::new(sentence).with("shared error", response.of_difference(shared), response.unit_of_differences()))
+    let finding =
+        Finding::new(sentence).with("shared error", response.of_difference(shared), response.unit_of_differences());
+    let of_each = campaign.problem.constraints.iter().zip(&found.constrained_shared);
+    let of_each = of_each.filter_map(|(held, shared)| Some(of_constraint(held, (*shared)?)));
+    Some(of_each.fold(finding, Finding::detail))
 }
 
-fn named(drift: &Drift) -> impl Iterator<Item = &Shift> {
-    drift.shifts.iter().filter(|shift| shift.n_readings >= FEWEST).take(MOST_NAMED)
+fn of_constraint(held: &Held, shared: f64) -> Finding {
+    let sentence = format!("{}: {} (standard deviation).", held.name(), with_unit(&short(shared), &held.unit));
+    Finding::new(sentence).with("shared error", shared, &held.unit)
+}
+
+/// "batch 1 0.2 mm above, batch 3 0.3 mm below, and 2 more": those that are farthest off, in their order.
+fn named(drift: &Drift, far: impl Fn(f64) -> String) -> String {
+    let mut large: Vec<&Shift> = drift.shifts.iter().filter(|shift| shift.n_readings >= FEWEST).collect();
+    large.sort_by(|a, b| b.by.abs().partial_cmp(&a.by.abs()).unwrap_or(Ordering::Equal));
+    let n_more = large.len().saturating_sub(MOST_NAMED);
+    large.truncate(MOST_NAMED);
+    large.sort_by(|a, b| a.block.cmp(&b.block));
+    let named: Vec<String> =
+        large.iter().map(|shift| format!("{} {}", of_block(&shift.block), far(shift.by))).collect();
+    let more = if n_more > 0 { format!(" (and {n_more} more, less far off)") } else { String::new() };
+    format!("{}{more}", named.join(", "))
 }
 
 fn of_block(block: &Block) -> String {
@@ -60,20 +105,28 @@ fn of_block(block: &Block) -> String {
     }
 }
 
-fn better_side(worse: &str) -> &'static str {
-    if worse == "above" { "below" } else { "above" }
-}
-
 /// For programs.
 pub(super) fn as_json(campaign: &Campaign, found: &Assessment) -> Value {
     let response = &campaign.problem.response;
-    let shift = |shift: &Shift| {
-        let by = response.of_difference(response.of_deviations(shift.by));
-        json!({ "of": of_block(&shift.block).replace('`', ""), "runs": shift.n_readings, "by": by })
-    };
-    found.drift.as_ref().map_or(Value::Null, |drift| {
+    in_json(
+        found.drift.as_ref(),
+        |deviation| response.of_difference(deviation),
+        |by| response.of_difference(response.of_deviations(by)),
+    )
+}
+
+/// The same of each constrained response.
+pub(super) fn of_constraints_as_json(campaign: &Campaign, found: &Assessment) -> Value {
+    let pairs = campaign.problem.constraints.iter().zip(&found.constrained_drifts);
+    let one = |(held, drift): (&Held, &Option<Drift>)| (held.name().to_owned(), in_json(drift.as_ref(), |x| x, |x| x));
+    Value::Object(pairs.map(one).collect())
+}
+
+fn in_json(drift: Option<&Drift>, deviation: impl Fn(f64) -> f64, by: impl Fn(f64) -> f64) -> Value {
+    let shift = |shift: &Shift| json!({ "of": of_block(&shift.block).replace('`', ""), "runs": shift.n_readings, "by": by(shift.by) });
+    drift.map_or(Value::Null, |drift| {
         json!({
-            "gain": drift.gain, "is_sure": drift.is_sure(), "standard_deviation": response.of_difference(drift.deviation),
+            "gain": drift.gain, "is_sure": drift.is_sure(), "standard_deviation": deviation(drift.deviation),
             "shifts": drift.shifts.iter().map(shift).collect::<Vec<_>>(),
         })
     })

@@ -307,7 +307,13 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     let finding = unseen(campaign, found).into_iter().fold(finding, Finding::detail);
     match campaign.settings.worth {
         None => {
-            finding.detail(Finding::new("`worth` in [stop] says from what gain on another batch is worth its cost."))
+            let sentence = match campaign.settings.stop_by {
+                StopBy::Bound => "`worth` in [stop] says from what gain on another batch is worth its cost.",
+                _ => {
+                    "`worth` in [stop] says from what gain on another batch is worth its cost: without it `by` ends nothing."
+                }
+            };
+            finding.detail(Finding::new(sentence))
         }
         Some(worth) => {
             let stop_by = campaign.settings.stop_by;
@@ -667,11 +673,16 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
             .repeats()
             .filter(|repeats| scatter_far_less(repeats.variance, repeats.degrees_of_freedom, found.noise))
         {
-            Some(repeats) => format!(
-                "Noise of one run: {deviation} (standard deviation) by the surface, though the {n} repeats say {}: the rest is what the \
-                 surface misses, as a well or an edge that is narrower than it expects.",
-                response.amount(repeats.standard_deviation())
-            ),
+            Some(repeats) => {
+                let rest = match drift::is_sure(found) {
+                    true => "what runs of a batch share, as far as it goes",
+                    false => "what the surface misses, as a well or an edge that is narrower than it expects",
+                };
+                format!(
+                    "Noise of one run: {deviation} (standard deviation) by the surface, though the {n} repeats say {}: the rest is {rest}.",
+                    response.amount(repeats.standard_deviation())
+                )
+            }
             None => {
                 format!(
                     "Noise of one run: {deviation} (standard deviation), from {} and what the surface leaves.",

@@ -22,6 +22,7 @@ use super::{confirm, displaced, drift, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
 use crate::findings::all_batches_made;
 use crate::journal::{Event, Journal, Submitted, Writer};
+use crate::number::percent;
 use crate::problem::Problem;
 
 impl campaign::Campaign for Campaign {
@@ -198,6 +199,7 @@ impl campaign::Campaign for Campaign {
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
             "shared_error_of_a_batch": of_batches.map(|shared| response.of_difference(shared)),
             "drift": drift::as_json(self, &found),
+            "drift_of_constraints": drift::of_constraints_as_json(self, &found),
             "shared_error_of_a_plant": of_plants.map(|shared| response.of_difference(shared)),
             "own_of_a_plant": found.own.map(|own| response.of_difference(own)),
             "keeps_to_the_constraints": found.recommended.suffices,
@@ -259,12 +261,23 @@ impl Campaign {
         Ok(left.map(|left| {
             let response = &self.problem.response;
             let by = if stop_by == StopBy::Bound { "" } else { "by the surface alone, " };
+            let unless = match (stop_by, found.unseen) {
+                (StopBy::Surface, Some(share)) if self.problem.smooth != Some(true) => format!(
+                    ", unless a {} of less than {} of all designs may be there; the bound is {}",
+                    response.well(),
+                    percent(share),
+                    response.amount(found.certificate.bound)
+                ),
+                _ => String::new(),
+            };
             let than_enough = match left > 0.0 {
                 true => format!("less than {} that would be worth another batch", response.the_amount(worth)),
-                false => format!("and a gain of {} would be worth another batch", response.amount(worth)),
+                false => {
+                    format!("where {} would have to be gained for another batch to be worth it", response.amount(worth))
+                }
             };
             let promised = Certificate { bound: left, ..found.certificate };
-            format!("{by}with {}, {than_enough}", none_better(&self.problem, &promised))
+            format!("{by}with {}, {than_enough}{unless}", none_better(&self.problem, &promised))
         }))
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::pooled::ask;
+use crate::pooled::{ask, wobble};
 use crate::rig::Rig;
 
 /// A spring and a damper: `cost` is lowest where `travel` is too long. The simulation is a command that knows both roughly.
@@ -43,11 +43,16 @@ fn settings(experiment: &Value) -> (f64, f64) {
 
 /// Fills the sheet of a batch: the cost and the travel. False at the end.
 fn batch(rig: &Rig) -> bool {
+    batch_above(rig, |_| 0.0)
+}
+
+/// The same where the sensor of the travel reads so much more, by the number of the experiment.
+fn batch_above(rig: &Rig, above: impl Fn(u64) -> f64) -> bool {
     let asked = ask(rig);
     let Some(experiments) = asked["experiments"].as_array() else { return false };
     let rows = experiments.iter().map(|experiment| {
         let (a, b) = settings(experiment);
-        format!("{},{},{}\n", experiment["id"], cost(a, b), travel(a, b))
+        format!("{},{},{}\n", experiment["id"], cost(a, b), travel(a, b) + above(experiment["id"].as_u64().unwrap()))
     });
     rig.write("filled.csv", &format!("id,cost [EUR],travel [mm]\n{}", rows.collect::<String>()));
     rig.infuse(&["tell", "filled.csv"]).ok();
@@ -73,6 +78,25 @@ fn a_simulated_constraint_that_is_no_number_is_never_dropped_in_silence() {
     let text = rig.infuse(&["check"]).stdout;
     assert!(text.contains("It says nothing of travel: experiments alone will."), "{text}");
     assert!(!text.contains("is no number"), "{text}");
+}
+
+/// The sensor of what is constrained reads otherwise from batch to batch, and that of the cost does not.
+#[test]
+fn a_constraint_whose_sensor_drifts_is_said_to_and_allowed_for() {
+    let rig = rig_of(TRAVEL, &(parameter("a") + &parameter("b")));
+    for above in [0.0, 1.5, -1.5, 0.5] {
+        assert!(batch_above(&rig, |id| above + 0.05 * wobble(id)));
+    }
+    let status = rig.infuse(&["status"]).ok();
+    assert!(status.contains("read alike in `travel`, beyond what their settings explain: batch 1 "), "{status}");
+    let json = rig.status();
+    let (of_travel, of_cost) = (&json["drift_of_constraints"]["travel"], &json["drift"]);
+    assert_eq!((&of_travel["is_sure"], &of_cost["is_sure"]), (&json!(true), &json!(false)), "{json}");
+    let by = |at: usize| of_travel["shifts"][at]["by"].as_f64().unwrap();
+    assert!((by(1) - by(2) - 3.0).abs() < 0.5, "{of_travel}");
+    rig.edit("[loop]", "[loop]\nblocks = true");
+    let status = rig.infuse(&["status"]).ok();
+    assert!(!status.contains("read alike") && status.contains("travel: 1."), "what its readings share: {status}");
 }
 
 #[test]

@@ -159,14 +159,29 @@ fn a_campaign_may_end_by_what_the_surface_alone_says() {
         status.contains("What the surface alone says, by which `by` in [stop] stops, is no more than the 10"),
         "{status}"
     );
-    assert!(status.contains("Ended: by the surface alone, with 90 % probability no design is better"), "{status}");
+    let ended = status.lines().find(|line| line.starts_with("Ended: ")).unwrap();
+    assert!(ended.starts_with("Ended: by the surface alone, with 90 % probability no design is better"), "{ended}");
+    assert!(
+        ended.contains(", unless a well of less than ")
+            && ended.contains(" of all designs may be there; the bound is 139"),
+        "{ended}"
+    );
     let checked = rig.infuse(&["check"]).ok();
     assert!(checked.contains("The campaign does not wait for that: it stops by the surface alone"), "{checked}");
+    rig.edit("worth = 10\n", "");
+    let (status, checked) = (rig.infuse(&["status"]).ok(), rig.infuse(&["check"]).ok());
+    assert!(status.contains("is worth its cost: without it `by` ends nothing."), "{status}");
+    assert!(checked.contains("`by` in [stop] ends nothing without `worth`."), "{checked}");
+    rig.edit("by = \"surface\"", "worth = 10\nby = \"surface\"");
     rig.edit("by = \"surface\"", "by = \"bound\"");
     assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))), "it goes on");
     rig.infuse(&["report"]).ok();
     assert!(rig.read("report.html").contains("by the surface alone"), "the history has both");
-    rig.edit("by = \"bound\"", "by = \"surfaces\"");
+    rig.edit("worth = 10\nby = \"bound\"", "by = \"surface\"");
+    assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))), "without `worth` it goes on");
+    let log = rig.infuse(&["log"]).ok();
+    assert!(log.contains("`by` was not set and is \"surface\""), "{log}");
+    rig.edit("by = \"surface\"", "by = \"surfaces\"");
     let error = rig.infuse(&["check"]).error();
     assert!(error.contains("`by` is \"surfaces\", expected `bound` or `surface`"), "{error}");
     let rig = rig_of(|a, b| wells(a, b, DEPTHS), "method = \"dissertation\"\n[stop]\nby = \"surface\"\n");
@@ -182,7 +197,7 @@ fn a_rig_that_drifts_is_said_and_allowed_for() {
         assert!(batch(&rig, |a, b, id| Ok(50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id) + shift)));
     }
     let status = rig.infuse(&["status"]).ok();
-    let said = "Careful: runs of one batch read alike, beyond what their settings explain: batch 1 ";
+    let said = "Careful: runs of one batch, or of one source, read alike, beyond what their settings explain: batch 1 ";
     assert!(status.contains(said) && status.contains("`blocks = true` in [loop] allows for it"), "{status}");
     let json = rig.status();
     assert_eq!(json["drift"]["is_sure"], true, "{json}");
@@ -193,7 +208,9 @@ fn a_rig_that_drifts_is_said_and_allowed_for() {
     assert!(json["drift"].is_null() && json["shared_error_of_a_batch"].as_f64().unwrap() > 4.0, "{json}");
     let status = rig.infuse(&["status"]).ok();
     assert!(
-        status.contains("share an error, as `blocks` in [loop] says") && !status.contains("read alike"),
+        status.contains("share an error, as `blocks` in [loop] says")
+            && !status.contains("read alike")
+            && status.contains("is the mean over batches"),
         "{status}"
     );
     assert!(batch(&rig, |a, b, id| Ok(50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id))));
@@ -205,6 +222,29 @@ fn a_rig_that_drifts_is_said_and_allowed_for() {
     let rig = rig_of(|a, b| wells(a, b, DEPTHS), "blocks = true\nmethod = \"dissertation\"\n");
     let error = rig.infuse(&["check"]).error();
     assert!(error.contains("`blocks` belongs to `method` = \"pooled\""), "{error}");
+}
+
+/// A noise that is right is not contradicted by repeats of other batches, which differ by the drift; of nine batches the farthest off are named.
+#[test]
+fn of_a_rig_that_drifts_the_noise_is_not_blamed_and_the_farthest_batches_are_named() {
+    let rig = rig("noise = 1\n");
+    rig.edit("batches = 5", "batches = 9");
+    rig.edit("experiments = 10", "experiments = 6");
+    for at in 0..9 {
+        let shift = 8.0 * f64::from(at) - 32.0;
+        assert!(batch(&rig, |a, b, id| Ok(50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id) + shift)));
+    }
+    let status = rig.infuse(&["status"]).ok();
+    let said = status.lines().find(|line| line.contains("read alike")).unwrap_or_else(|| panic!("{status}"));
+    assert!(
+        said.contains(": batch 1 ") && said.contains(", batch 9 ") && said.contains(" (and 3 more, less far off)"),
+        "{said}"
+    );
+    assert!(!said.contains("batch 5 "), "the middle one is not far off: {said}");
+    assert!(
+        !status.contains("`noise` in [loop] is 1 N, but") && !status.contains("Repeats contradict that"),
+        "{status}"
+    );
 }
 
 /// Forty experiments from elsewhere, all within a corner, leave as much unseen as a few would.

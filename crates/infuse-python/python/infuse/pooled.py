@@ -255,6 +255,8 @@ class Drift:
     """The logarithm of how many times more probable the readings are if batches share an error; from 4 on it is believed."""
     deviation: float
     """Standard deviation of that error."""
+    noise: float
+    """Standard deviation of one run besides it."""
     shifts: List[Shift]
     """Of each batch and source."""
 
@@ -303,6 +305,8 @@ class Assessment:
     """What the readings tell of that, sure or not."""
     drift: Optional[Drift] = None
     """Whether the rig drifts from batch to batch, as far as the readings tell; none where `blocks` allows for it."""
+    constrained_drifts: Dict[str, Drift] = dataclasses.field(default_factory=dict)
+    """The same of the constraints whose readings tell of it."""
     find: Optional[Settings] = None
     """The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet."""
 
@@ -319,7 +323,7 @@ def _drift(entry: Optional[Dict[str, Any]]) -> Optional[Drift]:
     shifts = [
         Shift(one["block"].get("batch"), one["block"].get("source"), one["n_readings"], one["by"]) for one in entry["shifts"]
     ]
-    return Drift(entry["gain"], entry["deviation"], shifts)
+    return Drift(entry["gain"], entry["deviation"], entry["noise"], shifts)
 
 
 def _constrained(entry: Dict[str, Any]) -> Constrained:
@@ -780,10 +784,15 @@ class PooledLoop:
             displacement=self._displacement(found.get("displacement")),
             registration=self._registration(found.get("registration")),
             drift=_drift(found.get("drift")),
+            constrained_drifts=self._constrained_drifts(found.get("constrained_drifts", [])),
         )
 
     def _displacement(self, found: Optional[List[float]]) -> Optional[Dict[str, float]]:
         return None if found is None else {name: by for name, by in zip(self._names, found) if by != 0.0}
+
+    def _constrained_drifts(self, found: List[Optional[Dict[str, Any]]]) -> Dict[str, Drift]:
+        drifts = ((name, _drift(one)) for name, one in zip(self._constraints, found))
+        return {name: drift for name, drift in drifts if drift is not None}
 
     def _registration(self, found: Optional[Dict[str, Any]]) -> Optional[Registration]:
         if found is None:

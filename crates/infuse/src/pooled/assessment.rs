@@ -15,7 +15,7 @@ use crate::pooled::designs::Designs;
 use crate::pooled::drift::Drift;
 use crate::pooled::economy::Economy;
 use crate::pooled::finds::Finds;
-use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
+use crate::pooled::held::{Expected, Held, MAY_RESPOND, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::knowledge_gradient::pick;
 use crate::pooled::measurements::Reading;
@@ -203,6 +203,12 @@ pub struct Assessment {
     /// that is [allowed for](Settings::blocks), and where runs of a plant share an error anyway.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<Drift>,
+    /// The same of each constrained response; empty where nothing is constrained, or it is allowed for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constrained_drifts: Vec<Option<Drift>>,
+    /// Standard deviation of the error that readings of each constrained response share, where that is allowed for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constrained_shared: Vec<Option<f64>>,
     /// Readings that contradict the recommendation.
     pub contradiction: Option<Contradiction>,
     /// Settings of the best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides
@@ -295,7 +301,7 @@ impl Look {
         batch: usize,
     ) -> Result<Self, Error> {
         let Readings { n_earlier, n_failed, .. } = *readings;
-        let blocks = &readings.blocks[..];
+        let (blocks, constrained_blocks) = (&readings.blocks[..], &readings.constrained_blocks[..]);
         let (constrained, set_aside, readings) = (&readings.constrained, &readings.set_aside, &readings.kept[..]);
         let open = outliers(knowledge, readings, settings)?;
         let again = to_run_again(readings, &open, knowledge.process.noise());
@@ -366,6 +372,10 @@ impl Look {
         let are_equal = readings.windows(2).all(|two| two[0].response.to_bits() == two[1].response.to_bits());
         let needed = Needed::of(&evidence, designs, settings, (n_repeats, are_equal));
         let bands = Bands::of(readings, designs.n_terms());
+        let (constrained_drifts, constrained_shared) = match has_assemblies {
+            true => (Vec::new(), knowledge.held.iter().map(Held::shared).collect()),
+            false => (knowledge.constrained_drifts(constrained, constrained_blocks)?, Vec::new()),
+        };
         let drift = match has_assemblies {
             true => None,
             false => {
@@ -388,6 +398,8 @@ impl Look {
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
             drift,
+            constrained_drifts,
+            constrained_shared,
             registration: knowledge.registration.clone(),
             displacement: knowledge.displacement().map(|displacement| displacement.natural(designs)),
             contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),

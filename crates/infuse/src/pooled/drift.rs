@@ -30,6 +30,8 @@ pub struct Drift {
     pub gain: f64,
     /// Standard deviation of that error.
     pub deviation: f64,
+    /// Standard deviation of one run besides it.
+    pub noise: f64,
     /// Of each block, sources behind batches.
     pub shifts: Vec<Shift>,
 }
@@ -116,7 +118,7 @@ impl Drift {
         let weights: Vec<f64> = shared.iter().map(|one| (one.0 - largest).exp()).collect();
         let total: f64 = weights.iter().sum();
         let mut beyond = vec![0.0; readings.len()];
-        let mut deviation = 0.0;
+        let (mut deviation, mut noise) = (0.0, 0.0);
         for ((_, _, process), weight) in shared.iter().zip(&weights) {
             // What weighs next to nothing is not worth its prediction.
             if *weight < 1e-3 {
@@ -124,6 +126,7 @@ impl Drift {
             }
             let share = weight / total;
             deviation += share * process.assembly_deviation();
+            noise += share * process.noise();
             let expected = process.means(places)?;
             for ((beyond, reading), expected) in beyond.iter_mut().zip(readings).zip(expected) {
                 *beyond += share * (reading.response - expected);
@@ -136,7 +139,7 @@ impl Drift {
             by: mean(members),
         };
         let shifts = members.iter().map(shift).collect();
-        Ok((gain.is_finite() && deviation.is_finite()).then_some(Self { gain, deviation, shifts }))
+        Ok((gain.is_finite() && deviation.is_finite()).then_some(Self { gain, deviation, noise, shifts }))
     }
 }
 

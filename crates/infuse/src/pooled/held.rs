@@ -5,8 +5,10 @@ use rayon::prelude::*;
 use surface::process::{AveragedProcess, Joint, Marginals, Places};
 
 use crate::Error;
+use crate::pooled::block::Block;
 use crate::pooled::constraint::Constraint;
 use crate::pooled::designs::Designs;
+use crate::pooled::drift::Drift;
 use crate::pooled::measurements::Reading;
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
@@ -64,6 +66,23 @@ impl Held {
         source: &Source<'_>,
     ) -> Result<Places, Error> {
         source.known_places(designs, cells, simulated, self.column)
+    }
+
+    /// What its readings say of a drift, of what the simulation says of their cells.
+    pub(crate) fn drift(
+        &self,
+        readings: &[Reading],
+        blocks: &[Block],
+        places: &Places,
+    ) -> Result<Option<Drift>, Error> {
+        let is_noise_known = self.constraint.noise.is_some();
+        let of = |process: &AveragedProcess| Drift::of(readings, blocks, places, process.particles(), is_noise_known);
+        self.process.as_ref().map_or(Ok(None), of)
+    }
+
+    /// Standard deviation of the error that its readings of a block share.
+    pub(crate) fn shared(&self) -> Option<f64> {
+        self.process.as_ref().map(AveragedProcess::assembly_deviation)
     }
 
     /// Standard deviation of one reading.

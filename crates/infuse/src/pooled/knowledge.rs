@@ -9,9 +9,11 @@ use surface::process::{
 };
 
 use crate::Error;
+use crate::pooled::block::Block;
 use crate::pooled::constraint::Constraint;
 use crate::pooled::designs::Designs;
 use crate::pooled::displacement::Displacement;
+use crate::pooled::drift::Drift;
 use crate::pooled::held::{Chances, Expected, Held};
 use crate::pooled::measurements::{Measurements, Reading};
 use crate::pooled::registration::{Emulation, Registration, Runs, registered};
@@ -191,6 +193,20 @@ impl<'a, 's> Knowledge<'a, 's> {
     /// Variance of one reading of an assembly that nothing else is known of.
     pub(crate) fn reading_variance(&self) -> f64 {
         self.process.noise().powi(2) + self.process.assembly_deviation().powi(2)
+    }
+
+    /// What the readings of each constrained response say of a drift.
+    pub(crate) fn constrained_drifts(
+        &self,
+        constrained: &[Vec<Reading>],
+        blocks: &[Vec<Block>],
+    ) -> Result<Vec<Option<Drift>>, Error> {
+        let of_each = self.held.iter().zip(constrained.iter().zip(blocks)).map(|(held, (readings, blocks))| {
+            let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
+            let places = held.places(self.designs, &cells, self.simulated, &self.source)?;
+            held.drift(readings, blocks, &places)
+        });
+        of_each.collect()
     }
 
     /// The same knowledge from other readings.

@@ -86,6 +86,8 @@ pub(crate) struct Measurements {
     pub(crate) n_failed: usize,
     /// The block of each reading, by its number.
     pub(crate) blocks: Vec<Block>,
+    /// The same of the readings of each constrained response.
+    pub(crate) constrained_blocks: Vec<Vec<Block>>,
 }
 
 impl Measurements {

@@ -48,6 +48,8 @@ pub(crate) struct Readings {
     pub(crate) n_failed: usize,
     /// The block of each reading, by its number.
     pub(crate) blocks: Vec<Block>,
+    /// The same of the readings of each constrained response.
+    pub(crate) constrained_blocks: Vec<Vec<Block>>,
 }
 
 /// Beyond so many standard deviations a reading is an outlier.
@@ -159,8 +161,9 @@ pub(crate) fn learnt<'a, 's>(
     if !set_aside.is_empty() {
         knowledge = knowledge.through(&measurements, settings)?;
     }
-    let Measurements { readings: kept, constrained, n_earlier, n_failed, blocks, .. } = measurements;
-    Ok((knowledge, Readings { kept, constrained, set_aside, n_earlier, n_failed, blocks }))
+    let Measurements { readings: kept, constrained, n_earlier, n_failed, blocks, constrained_blocks, .. } =
+        measurements;
+    Ok((knowledge, Readings { kept, constrained, set_aside, n_earlier, n_failed, blocks, constrained_blocks }))
 }
 
 /// Takes out of `readings` those that repeats give the lie to, and says which they were. Of two runs of the same settings that differ by

@@ -62,7 +62,9 @@ impl Loop {
         let n_earlier = self.earlier.iter().filter(|earlier| earlier.outcome.cost().is_some()).count();
         let n_failed = self.n_failed(&readings);
         let blocks = self.blocks(|earlier| earlier.outcome.cost().is_some(), |record| record.cost().is_some());
-        Ok(Measurements { readings, constrained, failed, refused, n_earlier, n_failed, blocks })
+        let constrained_blocks =
+            (0..self.settings.constraints.len()).map(|index| self.constrained_blocks(index)).collect();
+        Ok(Measurements { readings, constrained, failed, refused, n_earlier, n_failed, blocks, constrained_blocks })
     }
 
     /// Designs of the campaign that gave no response in any experiment.
@@ -82,9 +84,15 @@ impl Loop {
         });
         let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
         let mut readings: Vec<Reading> = earlier.chain(own).enumerate().map(numbered).collect::<Result<_, Error>>()?;
-        let was_measured = |record: &Record| value(self.constrained(record.trial.id)).is_some();
-        self.assemble(&mut readings, &self.blocks(|earlier| value(&earlier.constrained).is_some(), was_measured));
+        self.assemble(&mut readings, &self.constrained_blocks(index));
         Ok(readings)
+    }
+
+    /// The block of each of them.
+    fn constrained_blocks(&self, index: usize) -> Vec<Block> {
+        let is_there = |values: &[Option<f64>]| values.get(index).copied().flatten().is_some();
+        let was_measured = |record: &Record| is_there(self.constrained(record.trial.id));
+        self.blocks(|earlier| is_there(&earlier.constrained), was_measured)
     }
 
     /// Where an experiment failed: at the settings really made, as far as they are known.

@@ -143,6 +143,7 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Pr
         _ => "more than the campaign has".to_owned(),
     };
     let out_of_reach = match problem.worth {
+        None if problem.stop_by == Some(StopBy::Surface) => " `by` in [stop] ends nothing without `worth`.",
         Some(_) if problem.stop_by == Some(StopBy::Surface) => {
             " The campaign does not wait for that: it stops by the surface alone, as `by` in [stop] says."
         }
@@ -154,7 +155,7 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Pr
     let well = problem.response.well();
     let as_a_power = match (problem.response.scale, problem.response.least()) {
         (Scale::Log, None) => {
-            " On a logarithmic scale that is a power of what results differ by, which the best value that there can be bounds, as \
+            " On a logarithmic scale that room is a power of what results differ by, which the best value that there can be bounds, as \
              `lower` or `upper` of [response]."
         }
         _ => "",
