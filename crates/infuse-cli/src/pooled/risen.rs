@@ -34,7 +34,7 @@ pub(super) fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> 
     };
     has_risen.then(|| {
         let sentence = format!(
-            "After batch {} that was {}. It has risen: {}.",
+            "After batch {} the bound was {}. It has risen: {}.",
             before.batch,
             response.amount(bound),
             why(campaign, found, before)

@@ -89,7 +89,7 @@ fn a_bound_that_rises_says_what_it_was() {
         assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + 0.2 * wobble(id) + later(id, b))));
         bounds.push(rig.status()["bound"].as_f64().unwrap());
         let said = rig.infuse(&["status"]).ok();
-        let was = format!("After batch {} that was", n_batches - 1);
+        let was = format!("After batch {} the bound was", n_batches - 1);
         let has_risen = n_batches > 1 && bounds[n_batches - 1] > 1.02 * bounds[n_batches - 2];
         assert_eq!(said.contains(&was), has_risen, "{bounds:?}\n{said}");
     }

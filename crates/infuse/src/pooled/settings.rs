@@ -61,7 +61,8 @@ pub struct Settings {
     #[serde(default = "default_particles")]
     pub particles: usize,
     /// Runs of a batch share an error that those of others do not have, as where a rig drifts from day to day; so do those of a source
-    /// outside of the campaign. Default: they do not, but what they say of it is told.
+    /// outside of the campaign. Where there are [plants](Self::plants), runs of one in a batch do anyway, and this changes nothing. Default:
+    /// they do not, but what they say of it is told.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub blocks: bool,
     /// The structures that are averaged. Default: all.
