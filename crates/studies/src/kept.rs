@@ -6,8 +6,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 #[cfg(feature = "benchmark")]
+use rayon::prelude::*;
+#[cfg(feature = "benchmark")]
 use serde::{Serialize, de::DeserializeOwned};
 
+#[cfg(feature = "benchmark")]
+use crate::reproduction::progress;
 use crate::seal::{self, Form};
 
 /// Writes texts to their places, and says which.
@@ -45,6 +49,25 @@ pub(crate) fn rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
         .into_deserialize()
         .collect::<Result<_, _>>()
         .with_context(words)
+}
+
+/// Runs what is missing, so many at once, and keeps all rows whenever these are through: a killed run loses no more.
+#[cfg(feature = "benchmark")]
+pub(crate) fn run_missing<W: Sync, T: Serialize + Send>(
+    path: &Path,
+    rows: &mut Vec<T>,
+    missing: &[W],
+    at_once: usize,
+    run: impl Fn(&W) -> Result<Vec<T>> + Sync,
+) -> Result<()> {
+    let bar = progress("campaigns", missing.len());
+    for some in missing.chunks(at_once) {
+        let new = some.par_iter().map(|which| run(which).inspect(|_| bar.inc(1))).collect::<Result<Vec<_>>>()?;
+        rows.extend(new.into_iter().flatten());
+        replace_rows(path, rows)?;
+    }
+    bar.finish();
+    Ok(())
 }
 
 /// Puts a whole table in the place of another.

@@ -78,10 +78,11 @@ impl Campaign {
             }
         };
         Ok(assessment.map(|found| {
+            let bound = promised(self, &found);
             let assessed = Assessed {
                 batch,
-                bound: promised(self, &found),
-                alone: promised(self, &found).map(|_| found.certificate.quantile),
+                bound,
+                alone: bound.map(|_| found.certificate.quantile),
                 recommended: found.recommended.point,
                 expected: self.problem.response.of_cost(found.recommended.mean),
                 deviation: found.recommended.deviation,

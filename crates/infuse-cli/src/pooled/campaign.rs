@@ -534,19 +534,7 @@ impl Campaign {
         }
     }
 
-    /// All runs that gave a value: their settings, as they were made, and their cost.
-    pub(super) fn runs(&self) -> Vec<(Vec<f64>, f64)> {
-        let response = &self.problem.response;
-        let cost = |one: &Imported| Some((one.point.clone(), response.cost(one.result.value()?)));
-        let imported = self.imported.iter().filter_map(cost);
-        let own = self.experiments.readings.iter().flat_map(|(&id, reading)| {
-            let settings = self.experiments.settings_of(id);
-            reading.values().map(move |value| (settings.clone(), response.cost(value)))
-        });
-        imported.chain(own).collect()
-    }
-
-    /// The same of a response that has to stay within bounds.
+    /// All runs that gave a value of a response that has to stay within bounds: their settings, as they were made, and the value.
     pub(super) fn runs_of(&self, constraint: &str) -> Vec<(Vec<f64>, f64)> {
         let imported =
             self.imported.iter().filter_map(|one| Some((one.point.clone(), *one.constrained.get(constraint)?)));

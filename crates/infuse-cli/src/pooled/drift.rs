@@ -24,11 +24,7 @@ pub(super) fn is_sure(found: &Assessment) -> bool {
 pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
     let response = &campaign.problem.response;
     let of_response = found.drift.as_ref().filter(|drift| drift.is_sure()).map(|drift| {
-        let named = named(drift, |by| {
-            let worse = response.worse_side();
-            let better = if worse == "above" { "below" } else { "above" };
-            format!("{} {}", response.amount(by.abs()), if by < 0.0 { better } else { worse })
-        });
+        let named = named(drift, |by| format!("{} {}", response.amount(by.abs()), response.side(by)));
         let finding = warning("", &named, &response.amount(found.noise), drift);
         let (deviation, unit) = (response.of_difference(drift.deviation), response.unit_of_differences());
         finding.with("shared by runs of a batch", deviation, unit)
@@ -46,12 +42,8 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
 }
 
 fn warning(what: &str, named: &str, noise: &str, drift: &Drift) -> Finding {
-    let is_farthest = |block: &Block| {
-        drift.shifts.iter().max_by(|a, b| a.by.abs().total_cmp(&b.by.abs())).is_some_and(|far| far.block == *block)
-    };
-    let has_source =
-        drift.shifts.iter().any(|shift| matches!(shift.block, Block::Source(_)) && is_farthest(&shift.block));
-    let question = match has_source {
+    let farthest = drift.shifts.iter().max_by(|a, b| a.by.abs().total_cmp(&b.by.abs()));
+    let question = match farthest.is_some_and(|far| matches!(far.block, Block::Source(_))) {
         true => "Does another rig, or another day, read otherwise?",
         false => "Does the rig drift from day to day?",
     };

@@ -133,7 +133,7 @@ const FEWEST_AT_AN_END: usize = 3;
 /// That several designs share the best result of all to the last digit, though `[response]` does not say that nothing is better: where
 /// a detector ends, surfaces look for more beyond.
 fn at_an_end(campaign: &Campaign) -> Option<Finding> {
-    let (response, runs) = (&campaign.problem.response, campaign.runs());
+    let (response, runs) = (&campaign.problem.response, campaign.runs_to_compare(false));
     let best = runs.iter().map(|run| run.1).min_by(f64::total_cmp)?;
     let is_best = |cost: f64| cost.total_cmp(&best).is_eq();
     let mut designs: Vec<&[f64]> = runs.iter().filter(|run| is_best(run.1)).map(|run| &*run.0).collect();
@@ -262,8 +262,7 @@ fn outliers(campaign: &Campaign, found: &Assessment, is_meant: impl Fn(&Outlier)
 
 /// "4.1 standard deviations above".
 pub(super) fn far(campaign: &Campaign, outlier: &Outlier) -> String {
-    let worse = campaign.problem.response.worse_side();
-    let side = if outlier.deviations > 0.0 { worse } else { better_side(worse) };
+    let side = campaign.problem.response.side(outlier.deviations);
     format!("{} standard deviations {side}", short(outlier.deviations.abs()))
 }
 
@@ -333,8 +332,4 @@ fn another_unit(campaign: &Campaign) -> Option<Finding> {
         );
         Finding::new(sentence).with("times", times, "1")
     })
-}
-
-fn better_side(worse: &str) -> &'static str {
-    if worse == "above" { "below" } else { "above" }
 }

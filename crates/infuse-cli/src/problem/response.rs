@@ -238,9 +238,14 @@ impl Response {
 
     /// "above" or "below", where what is worse lies.
     pub(crate) fn worse_side(&self) -> &'static str {
-        match self.goal {
-            Goal::Minimize => "above",
-            Goal::Maximize => "below",
+        self.side(1.0)
+    }
+
+    /// On which side of another a response is whose cost is so much more.
+    pub(crate) fn side(&self, more: f64) -> &'static str {
+        match (self.goal, more < 0.0) {
+            (Goal::Minimize, false) | (Goal::Maximize, true) => "above",
+            (Goal::Minimize, true) | (Goal::Maximize, false) => "below",
         }
     }
 }

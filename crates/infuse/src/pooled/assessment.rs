@@ -239,6 +239,24 @@ impl Assessment {
         (self.needed.is_none() && is_kept).then_some(self.certificate.bound)
     }
 
+    /// With what the readings say of a drift.
+    pub(crate) fn with_drifts(
+        self,
+        knowledge: &mut Knowledge<'_, '_>,
+        readings: &Readings,
+        settings: &Settings,
+    ) -> Result<Self, Error> {
+        if settings.has_assemblies() {
+            return Ok(self);
+        }
+        let Readings { kept, constrained, blocks, constrained_blocks, .. } = readings;
+        let cells: Vec<Cell> = kept.iter().map(|reading| reading.cell).collect();
+        let places = knowledge.places(&cells)?;
+        let drift = Drift::of(kept, blocks, &places, knowledge.process.particles(), settings.noise.is_some())?;
+        let constrained_drifts = knowledge.constrained_drifts(constrained, constrained_blocks)?;
+        Ok(Self { drift, constrained_drifts, ..self })
+    }
+
     /// The same, as a campaign has it that [stops](Settings::stop_by) so.
     #[must_use]
     pub fn bound_to_stop_by(&self, stop_by: StopBy) -> Option<f64> {
@@ -301,7 +319,6 @@ impl Look {
         batch: usize,
     ) -> Result<Self, Error> {
         let Readings { n_earlier, n_failed, .. } = *readings;
-        let (blocks, constrained_blocks) = (&readings.blocks[..], &readings.constrained_blocks[..]);
         let (constrained, set_aside, readings) = (&readings.constrained, &readings.set_aside, &readings.kept[..]);
         let open = outliers(knowledge, readings, settings)?;
         let again = to_run_again(readings, &open, knowledge.process.noise());
@@ -372,18 +389,7 @@ impl Look {
         let are_equal = readings.windows(2).all(|two| two[0].response.to_bits() == two[1].response.to_bits());
         let needed = Needed::of(&evidence, designs, settings, (n_repeats, are_equal));
         let bands = Bands::of(readings, designs.n_terms());
-        let (constrained_drifts, constrained_shared) = match has_assemblies {
-            true => (Vec::new(), knowledge.held.iter().map(Held::shared).collect()),
-            false => (knowledge.constrained_drifts(constrained, constrained_blocks)?, Vec::new()),
-        };
-        let drift = match has_assemblies {
-            true => None,
-            false => {
-                let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
-                let places = knowledge.places(&cells)?;
-                Drift::of(readings, blocks, &places, knowledge.process.particles(), settings.noise.is_some())?
-            }
-        };
+        let shared_of_each = has_assemblies.then(|| knowledge.held.iter().map(Held::shared).collect());
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: has_assemblies.then(|| knowledge.process.assembly_deviation()),
@@ -397,9 +403,10 @@ impl Look {
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
-            drift,
-            constrained_drifts,
-            constrained_shared,
+            // These nobody needs to choose a batch.
+            drift: None,
+            constrained_drifts: Vec::new(),
+            constrained_shared: shared_of_each.unwrap_or_default(),
             registration: knowledge.registration.clone(),
             displacement: knowledge.displacement().map(|displacement| displacement.natural(designs)),
             contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),

@@ -222,18 +222,14 @@ impl Forecast {
     /// 1.5.
     #[must_use]
     pub fn further_batches_by_the_surface(&self, worth: f64) -> Option<u64> {
-        let n = self.n_readings as f64;
-        let batches = match self.by_the_surface() <= worth {
-            true => 0,
-            false => {
-                let enough = match self.of_means {
-                    Some(_) => return self.further_batches(worth),
-                    None => n * (self.believed / worth).powf(1.0 / POWER_BELIEVED),
-                };
-                self.batches_from(enough)
-            }
-        };
-        Some(batches).filter(|batches| *batches <= Self::MOST_BATCHES)
+        if self.by_the_surface() <= worth {
+            return Some(0);
+        }
+        if self.of_means.is_some() {
+            return self.further_batches(worth);
+        }
+        let enough = self.n_readings as f64 * (self.believed / worth).powf(1.0 / POWER_BELIEVED);
+        Some(self.batches_from(enough)).filter(|batches| *batches <= Self::MOST_BATCHES)
     }
 
     /// How much better than the recommended design another may be, as the surface has it; as much as a find may hide, or as a measured design

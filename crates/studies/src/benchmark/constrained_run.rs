@@ -3,12 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use rayon::prelude::*;
 
 use super::constrained::{CASES, Kind, Row, SEEDS, WAYS, run as run_campaign};
 use super::constrained_page::texts;
 use crate::kept;
-use crate::reproduction::progress;
 
 const KEPT: &str = "fixtures/benchmark/constrained.csv";
 /// Campaigns at once, so that a killed run loses no more than these.
@@ -23,17 +21,9 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     let all =
         (1..=SEEDS).flat_map(|seed| CASES.iter().flat_map(move |&case| WAYS.iter().map(move |&way| (case, way, seed))));
     let missing: Vec<_> = all.filter(|(case, way, seed)| !has(&rows, case.name, way.name, *seed)).collect();
-    let bar = progress("campaigns", missing.len());
-    for some in missing.chunks(AT_ONCE) {
-        let new = some.par_iter().map(|&(case, way, seed)| {
-            run_campaign(case, way, seed)
-                .inspect(|_| bar.inc(1))
-                .with_context(|| format!("{}, {}, seed {seed}", case.name, way.words))
-        });
-        rows.extend(new.collect::<Result<Vec<_>>>()?.concat());
-        kept::replace_rows(&root.join(KEPT), &rows)?;
-    }
-    bar.finish();
+    kept::run_missing(&root.join(KEPT), &mut rows, &missing, AT_ONCE, |&(case, way, seed)| {
+        run_campaign(case, way, seed).with_context(|| format!("{}, {}, seed {seed}", case.name, way.words))
+    })?;
     write_page(root)
 }
 

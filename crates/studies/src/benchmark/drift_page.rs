@@ -6,7 +6,7 @@ use page::{Column, Finding, Table};
 
 use super::drift::{BATCHES, KINDS, Kind, NAMES, Row, SEEDS, WAYS, Way};
 use super::figure::Regrets;
-use super::summary::FLOOR;
+use super::summary::{FLOOR, Paired, is_broken};
 use crate::first_screen::around;
 use crate::words::number;
 
@@ -27,28 +27,21 @@ fn logarithm(row: &Row) -> f64 {
     (row.regret + FLOOR).log10()
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
 /// The geometric mean of what is missing, the floor added to each, in percent.
 fn typical(rows: &[&Row]) -> f64 {
-    100.0 * 10.0_f64.powf(mean(&rows.iter().map(|row| logarithm(row)).collect::<Vec<_>>()))
+    let sum: f64 = rows.iter().map(|row| logarithm(row)).sum();
+    100.0 * 10.0_f64.powf(sum / rows.len().max(1) as f64)
 }
 
-/// The mean of the decimal logarithm of what is missing with `blocks` by that without, campaign by campaign, with its standard error.
-fn paired(rows: &[Row], kind: Kind, batch: usize) -> (f64, f64) {
+/// What is missing with `blocks` by that without, campaign by campaign.
+fn paired(rows: &[Row], kind: Kind, batch: usize) -> Option<Paired> {
     let [plain, blocks] = WAYS.map(|way| of(rows, kind, way, batch));
-    let ratios: Vec<f64> =
-        blocks.iter().zip(plain).map(|(blocks, plain)| logarithm(blocks) - logarithm(plain)).collect();
-    let center = mean(&ratios);
-    let squares: f64 = ratios.iter().map(|ratio| (ratio - center).powi(2)).sum();
-    let n = ratios.len() as f64;
-    (center, (squares / (n - 1.0).max(1.0) / n.max(1.0)).sqrt())
+    let ratios = blocks.iter().zip(plain).map(|(blocks, plain)| logarithm(blocks) - logarithm(plain));
+    Paired::of(&ratios.collect::<Vec<_>>())
 }
 
 fn broken(rows: &[&Row]) -> usize {
-    rows.iter().filter(|row| row.regret > row.bound + 1e-12).count()
+    rows.iter().filter(|row| is_broken(row.regret, row.bound)).count()
 }
 
 /// Of the range, in percent.
@@ -135,14 +128,14 @@ fn markdown(rows: &[Row]) -> Result<String> {
         let by_batch = |way: Way| {
             (1..=BATCHES).map(|batch| number(typical(&of(rows, kind, way, batch)), 2)).collect::<Vec<_>>().join(", ")
         };
-        let (ratio, error) = paired(rows, kind, BATCHES);
+        let Paired { mean, error, .. } = paired(rows, kind, BATCHES).context("too few campaigns")?;
         let n = of(rows, kind, WAYS[0], BATCHES).len();
         table.push(vec![
             kind.words.to_owned(),
             n.to_string(),
             by_batch(WAYS[0]),
             by_batch(WAYS[1]),
-            format!("{ratio:.2} ± {error:.2}"),
+            format!("{mean:.2} ± {error:.2}"),
         ]);
     }
     text += &table.markdown();

@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use super::drift::{BATCHES, KINDS, Row, WAYS, Which};
 use super::drift_page::texts;
 use crate::kept;
-use crate::reproduction::progress;
 
 const KEPT: &str = "fixtures/benchmark/drift.csv";
 /// Campaigns at once, so that a killed run loses no more than these.
@@ -18,13 +17,9 @@ const AT_ONCE: usize = 8;
 pub(crate) fn run(root: &Path) -> Result<()> {
     let mut rows: Vec<Row> = kept::rows(&root.join(KEPT))?;
     let missing: Vec<Which> = Which::all().filter(|which| !rows.iter().any(|row| which.is_of(row))).collect();
-    let bar = progress("campaigns", missing.len());
-    for some in missing.chunks(AT_ONCE) {
-        let new = some.par_iter().map(|which| which.run().inspect(|_| bar.inc(1)).with_context(|| which.words()));
-        rows.extend(new.collect::<Result<Vec<_>>>()?.concat());
-        kept::replace_rows(&root.join(KEPT), &rows)?;
-    }
-    bar.finish();
+    kept::run_missing(&root.join(KEPT), &mut rows, &missing, AT_ONCE, |which| {
+        which.run().with_context(|| which.words())
+    })?;
     write_page(root)
 }
 

@@ -85,6 +85,17 @@ pub(super) struct Paired {
 }
 
 impl Paired {
+    /// Of the logarithms of ratios; none for fewer than five.
+    pub(super) fn of(ratios: &[f64]) -> Option<Self> {
+        if ratios.len() < FEWEST {
+            return None;
+        }
+        let n = ratios.len() as f64;
+        let mean = ratios.iter().sum::<f64>() / n;
+        let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        Some(Self { mean, error: (variance / n).sqrt(), n_pairs: ratios.len() })
+    }
+
     /// By more than two standard errors.
     pub(super) fn is_ours_better(self) -> bool {
         self.mean < -2.0 * self.error
@@ -103,14 +114,7 @@ pub(super) fn paired(ours: &Results, other: &Results, family: &Family, batch: us
 /// The same, each after a batch of its own.
 pub(super) fn paired_after(sides: [(&Results, usize); 2], family: &Family) -> Option<Paired> {
     let ratio = |[ours, theirs]: [f64; 2]| ((ours + FLOOR) / (theirs + FLOOR)).log10();
-    let ratios: Vec<f64> = both_after(sides, family).into_iter().map(ratio).collect();
-    if ratios.len() < FEWEST {
-        return None;
-    }
-    let n = ratios.len() as f64;
-    let mean = ratios.iter().sum::<f64>() / n;
-    let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Some(Paired { mean, error: (variance / n).sqrt(), n_pairs: ratios.len() })
+    Paired::of(&both_after(sides, family).into_iter().map(ratio).collect::<Vec<_>>())
 }
 
 /// What was promised after a batch of a family.
@@ -126,7 +130,7 @@ pub(super) struct Promised {
 }
 
 /// Whether more is missing than was promised, and not by rounding.
-fn is_broken(regret: f64, bound: f64) -> bool {
+pub(super) fn is_broken(regret: f64, bound: f64) -> bool {
     regret > bound + 1e-12
 }
 
@@ -181,19 +185,8 @@ mod tests {
         let mut results = Results::read(Path::new("no such folder"), "none")?;
         for (seed, steps) in (1..).zip(campaigns) {
             for (batch, &(regret, bound)) in (1..).zip(*steps) {
-                let family = FAMILIES[0].name.to_owned();
-                let bound = Some(bound);
-                results.rows.push(Row {
-                    family,
-                    seed,
-                    batch,
-                    regret,
-                    bound,
-                    drawn: bound,
-                    spread: Some(0.0),
-                    tried: Some(batch),
-                    ..Row::default()
-                });
+                let (family, bound) = (FAMILIES[0].name.to_owned(), Some(bound));
+                results.rows.push(Row { family, seed, batch, regret, bound, ..Row::default() });
             }
         }
         Ok(results)
