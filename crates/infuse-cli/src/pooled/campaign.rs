@@ -15,6 +15,7 @@ use infuse::pooled::{Assessment, Loop, Reason, Responses, Settings, Simulate};
 use infuse::{Error, Outcome, TrialId};
 use serde_json::{Value, json};
 
+use super::drift;
 use crate::campaign::{Experiments, Imported, Reading};
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
 use crate::number::{count, plain};
@@ -501,25 +502,30 @@ impl Campaign {
         imported.chain(own).map(|value| response.cost(value)).collect()
     }
 
-    /// What all runs of equal settings tell of the noise.
-    pub(super) fn repeats(&self) -> Option<PureError> {
-        PureError::of_readings(self.runs_to_compare(false))
+    /// What all runs of equal settings tell of the noise, as far as `found` says which are repeats.
+    pub(super) fn repeats(&self, found: &Assessment) -> Option<PureError> {
+        PureError::of_readings(self.runs_to_compare(found))
     }
 
     /// The readings of the loop in its order, each with its settings and its cost. Where runs of a batch share an error, as the file says or as
     /// they drift, those of another batch are no repeats: what they are of stands behind the settings.
-    pub(super) fn runs_to_compare(&self, drifts: bool) -> Vec<(Vec<f64>, f64)> {
-        let readings = self.readings();
-        let firsts = self.experiments.readings.values().filter_map(|reading| reading.first.as_ref()?.value());
-        let n_before = readings.len() - firsts.count();
-        let run = |(at, (origin, cost)): (usize, (Origin, f64))| {
-            let mut settings = self.settings_of(origin);
-            if self.settings.blocks || drifts {
+    pub(super) fn runs_to_compare(&self, found: &Assessment) -> Vec<(Vec<f64>, f64)> {
+        let is_of_blocks = self.settings.blocks == Some(true) || drift::is_sure(found);
+        let mut runs = self.runs();
+        if is_of_blocks {
+            let readings = self.readings();
+            let firsts = self.experiments.readings.values().filter_map(|reading| reading.first.as_ref()?.value());
+            let n_before = readings.len() - firsts.count();
+            for (at, ((settings, _), (origin, _))) in runs.iter_mut().zip(readings).enumerate() {
                 settings.extend(self.block_of(origin, (at < n_before).then_some(at)));
             }
-            (settings, cost)
-        };
-        readings.into_iter().enumerate().map(run).collect()
+        }
+        runs
+    }
+
+    /// The readings of the loop in its order, each with its settings and its cost.
+    pub(super) fn runs(&self) -> Vec<(Vec<f64>, f64)> {
+        self.readings().into_iter().map(|(origin, cost)| (self.settings_of(origin), cost)).collect()
     }
 
     /// Two numbers that runs of one batch, or of one source, share; of a `further` run, which has this number, nobody knows the day.

@@ -115,9 +115,10 @@ impl Campaign {
     /// The noise of one run, by what all repeats of the campaign differ by, those that confirm among them: as everywhere in the loop it
     /// is the same for all. Runs that are set aside say nothing of it.
     fn noise_of_repeats(&self) -> Result<Option<PureError>> {
-        let aside = self.assessment()?.map(|found| set_aside(self, &found)).unwrap_or_default();
+        let Some(found) = self.assessment()? else { return Ok(None) };
+        let aside = set_aside(self, &found);
         let counted =
-            self.origins().into_iter().zip(self.runs_to_compare(false)).filter(|(origin, _)| !aside.contains(origin));
+            self.origins().into_iter().zip(self.runs_to_compare(&found)).filter(|(origin, _)| !aside.contains(origin));
         Ok(PureError::of_readings(counted.map(|(_, run)| run)))
     }
 

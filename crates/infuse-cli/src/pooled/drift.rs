@@ -24,44 +24,65 @@ pub(super) fn is_sure(found: &Assessment) -> bool {
 pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
     let response = &campaign.problem.response;
     let of_response = found.drift.as_ref().filter(|drift| drift.is_sure()).map(|drift| {
-        let named = named(drift, |by| format!("{} {}", response.amount(by.abs()), response.side(by)));
-        let finding = warning("", &named, &response.amount(found.noise), drift);
+        let shifts = if found.shifts.is_empty() { &drift.shifts } else { &found.shifts };
+        let named = named(shifts, |by| above(by, |by| response.amount(by), response.side(by)));
+        let (noise, shared) = match found.assembly {
+            Some(shared) => (found.noise, Some(response.amount(shared))),
+            None => (drift.noise, None),
+        };
+        let finding = warning("", &named, &response.amount(noise), drift, shared);
         let (deviation, unit) = (response.of_difference(drift.deviation), response.unit_of_differences());
         finding.with("shared by runs of a batch", deviation, unit)
     });
-    let of_constraints =
-        campaign.problem.constraints.iter().zip(&found.constrained_drifts).filter_map(|(held, drift)| {
-            let drift = drift.as_ref().filter(|drift| drift.is_sure())?;
-            let amount = |amount: f64| with_unit(&short(amount), &held.unit);
-            let named = named(drift, |by| format!("{} {}", amount(by.abs()), if by < 0.0 { "below" } else { "above" }));
-            let what = format!(" in `{}`", held.name());
-            let finding = warning(&what, &named, &amount(drift.noise), drift);
-            Some(finding.with("shared by runs of a batch", drift.deviation, &held.unit))
-        });
+    let of_each = campaign.problem.constraints.iter().zip(&found.constrained_drifts).enumerate();
+    let of_constraints = of_each.filter_map(|(index, (held, drift))| {
+        let drift = drift.as_ref().filter(|drift| drift.is_sure())?;
+        let amount = |amount: f64| with_unit(&short(amount), &held.unit);
+        let named = named(&drift.shifts, |by| above(by, amount, if by < 0.0 { "below" } else { "above" }));
+        let what = format!(" in `{}`", held.name());
+        let shared = found.constrained_shared.get(index).copied().flatten().map(amount);
+        let finding = warning(&what, &named, &amount(drift.noise), drift, shared);
+        Some(finding.with("shared by runs of a batch", drift.deviation, &held.unit))
+    });
     of_response.into_iter().chain(of_constraints).collect()
 }
 
-fn warning(what: &str, named: &str, noise: &str, drift: &Drift) -> Finding {
+fn above(by: f64, amount: impl Fn(f64) -> String, side: &str) -> String {
+    format!("{} {side}", amount(by.abs()))
+}
+
+/// `shared` is the error that runs of a block share, where it is taken in.
+fn warning(what: &str, named: &str, noise: &str, drift: &Drift, shared: Option<String>) -> Finding {
     let farthest = drift.shifts.iter().max_by(|a, b| a.by.abs().total_cmp(&b.by.abs()));
     let question = match farthest.is_some_and(|far| matches!(far.block, Block::Source(_))) {
         true => "Does another rig, or another day, read otherwise?",
         false => "Does the rig drift from day to day?",
     };
+    let so = match shared {
+        Some(shared) => format!(
+            "That is taken in: they share an error of {shared} (standard deviation), and what is expected is the mean over batches and sources \
+             (`blocks` in [loop])."
+        ),
+        None => "`blocks = false` in [loop] leaves it so; without it they share an error that is learnt.".to_owned(),
+    };
     let sentence = format!(
         "Careful: runs of one batch, or of one source, read alike{what}, beyond what their settings explain: {named} what is expected of them, in \
-         the mean; the noise of one run is about {noise}. {question} `blocks = true` in [loop] allows for it: runs of a batch, or of a source, \
-         then share an error that is learnt."
+         the mean; the noise of one run is about {noise}. {question} {so}"
     );
     Finding::new(sentence).with("times more probable, logarithm", drift.gain, "1")
 }
 
-/// "Runs of a batch share an error", where that is allowed for.
+/// "Runs of a batch share an error", where the file says so.
 pub(super) fn shared(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
-    let shared = found.assembly.filter(|_| campaign.settings.blocks && campaign.settings.plants.is_none())?;
+    let is_said = campaign.settings.blocks == Some(true) && campaign.settings.plants.is_none();
+    let shared = found.assembly.filter(|_| is_said)?;
     let response = &campaign.problem.response;
+    let named = named(&found.shifts, |by| above(by, |by| response.amount(by), response.side(by)));
+    let named = if named.is_empty() { named } else { format!(" In the mean {named} what is expected of them.") };
     let sentence = format!(
         "Runs of a batch, or of a source, share an error, as `blocks` in [loop] says: {} (standard deviation), as far as the runs tell it \
-         from the noise; where nothing drifts about as much as that of one run, or less. What is expected is the mean over batches and sources.",
+         from the noise; where nothing drifts about as much as that of one run, or less.{named} What is expected is the mean over batches and \
+         sources.",
         response.amount(shared)
     );
     let finding =
@@ -77,8 +98,8 @@ fn of_constraint(held: &Held, shared: f64) -> Finding {
 }
 
 /// "batch 1 0.2 mm above, batch 3 0.3 mm below, and 2 more": those that are farthest off, in their order.
-fn named(drift: &Drift, far: impl Fn(f64) -> String) -> String {
-    let mut large: Vec<&Shift> = drift.shifts.iter().filter(|shift| shift.n_readings >= FEWEST).collect();
+fn named(shifts: &[Shift], far: impl Fn(f64) -> String) -> String {
+    let mut large: Vec<&Shift> = shifts.iter().filter(|shift| shift.n_readings >= FEWEST).collect();
     large.sort_by(|a, b| b.by.abs().partial_cmp(&a.by.abs()).unwrap_or(Ordering::Equal));
     let n_more = large.len().saturating_sub(MOST_NAMED);
     large.truncate(MOST_NAMED);
@@ -107,6 +128,13 @@ pub(super) fn as_json(campaign: &Campaign, found: &Assessment) -> Value {
     )
 }
 
+/// By how much batches and sources are off, where an error that their runs share is taken in.
+pub(super) fn shifts_as_json(campaign: &Campaign, found: &Assessment) -> Value {
+    let response = &campaign.problem.response;
+    let one = |shift: &Shift| shift_in_json(shift, response.of_difference(response.of_deviations(shift.by)));
+    found.shifts.iter().map(one).collect()
+}
+
 /// The same of each constrained response.
 pub(super) fn of_constraints_as_json(campaign: &Campaign, found: &Assessment) -> Value {
     let pairs = campaign.problem.constraints.iter().zip(&found.constrained_drifts);
@@ -115,11 +143,14 @@ pub(super) fn of_constraints_as_json(campaign: &Campaign, found: &Assessment) ->
 }
 
 fn in_json(drift: Option<&Drift>, deviation: impl Fn(f64) -> f64, by: impl Fn(f64) -> f64) -> Value {
-    let shift = |shift: &Shift| json!({ "of": of_block(&shift.block).replace('`', ""), "runs": shift.n_readings, "by": by(shift.by) });
     drift.map_or(Value::Null, |drift| {
+        let shifts: Value = drift.shifts.iter().map(|shift| shift_in_json(shift, by(shift.by))).collect();
         json!({
-            "gain": drift.gain, "is_sure": drift.is_sure(), "standard_deviation": deviation(drift.deviation),
-            "shifts": drift.shifts.iter().map(shift).collect::<Vec<_>>(),
+            "gain": drift.gain, "is_sure": drift.is_sure(), "standard_deviation": deviation(drift.deviation), "shifts": shifts,
         })
     })
+}
+
+fn shift_in_json(shift: &Shift, by: f64) -> Value {
+    json!({ "of": of_block(&shift.block).replace('`', ""), "runs": shift.n_readings, "by": by })
 }

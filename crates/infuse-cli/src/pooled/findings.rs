@@ -658,7 +658,7 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         (None, 0) => {
             format!("Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice.")
         }
-        (None, n) if campaign.repeats().is_some_and(|repeats| repeats.variance <= 0.0) => {
+        (None, n) if campaign.repeats(found).is_some_and(|repeats| repeats.variance <= 0.0) => {
             let differ = if n == 1 { "the one repeat does not" } else { &*format!("the {n} repeats do not") };
             let taken = if found.is_exact { " Until one does, it is taken for none." } else { "" };
             format!(
@@ -670,11 +670,11 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
             format!("Noise of one run: about {deviation} by the surface; it is not known, {few} too few.")
         }
         (None, n) => match campaign
-            .repeats()
+            .repeats(found)
             .filter(|repeats| scatter_far_less(repeats.variance, repeats.degrees_of_freedom, found.noise))
         {
             Some(repeats) => {
-                let rest = match drift::is_sure(found) {
+                let rest = match drift::is_sure(found) && found.assembly.is_none() {
                     true => "what runs of a batch share, as far as it goes",
                     false => "what the surface misses, as a well or an edge that is narrower than it expects",
                 };

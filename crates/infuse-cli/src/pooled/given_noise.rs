@@ -6,7 +6,6 @@ use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::campaign::Campaign;
-use super::drift;
 use crate::number::{count, short, with_unit};
 
 /// Repeats whose scatter is less likely than this speak against the noise that was given.
@@ -81,8 +80,7 @@ fn n_repeated(runs: &[(Vec<f64>, f64)]) -> usize {
 /// What repeats say against the noise of the response. A run that is set aside is a slip, and says nothing of it.
 pub(super) fn contradiction(campaign: &Campaign, found: &Assessment) -> Option<Contradiction> {
     let is_set_aside = |at: usize| found.outliers.iter().any(|outlier| outlier.set_aside && outlier.reading == at);
-    let counted =
-        campaign.runs_to_compare(drift::is_sure(found)).into_iter().enumerate().filter(|(at, _)| !is_set_aside(*at));
+    let counted = campaign.runs_to_compare(found).into_iter().enumerate().filter(|(at, _)| !is_set_aside(*at));
     let runs: Vec<_> = counted.map(|(_, run)| run).collect();
     Contradiction::of(campaign.settings.noise, &runs)
 }

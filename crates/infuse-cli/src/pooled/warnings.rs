@@ -133,7 +133,7 @@ const FEWEST_AT_AN_END: usize = 3;
 /// That several designs share the best result of all to the last digit, though `[response]` does not say that nothing is better: where
 /// a detector ends, surfaces look for more beyond.
 fn at_an_end(campaign: &Campaign) -> Option<Finding> {
-    let (response, runs) = (&campaign.problem.response, campaign.runs_to_compare(false));
+    let (response, runs) = (&campaign.problem.response, campaign.runs());
     let best = runs.iter().map(|run| run.1).min_by(f64::total_cmp)?;
     let is_best = |cost: f64| cost.total_cmp(&best).is_eq();
     let mut designs: Vec<&[f64]> = runs.iter().filter(|run| is_best(run.1)).map(|run| &*run.0).collect();

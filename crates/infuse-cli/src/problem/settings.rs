@@ -68,7 +68,7 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.max_batches = entry.batches.unwrap_or(settings.max_batches);
     settings.confidence = entry.confidence.unwrap_or(settings.confidence);
     settings.noise = entry.noise.map(|noise| noise_of_costs(&problem.response, noise)).transpose()?;
-    settings.blocks = entry.blocks.unwrap_or(false);
+    settings.blocks = entry.blocks;
     settings.displaced = entry.displaced.unwrap_or(settings.displaced);
     settings.worth = problem.worth.map(|worth| problem.response.difference(worth));
     settings.stop_by = problem.stop_by.unwrap_or_default();

@@ -304,9 +304,11 @@ class Assessment:
     registration: Optional[Registration] = None
     """What the readings tell of that, sure or not."""
     drift: Optional[Drift] = None
-    """Whether the rig drifts from batch to batch, as far as the readings tell; none where `blocks` allows for it."""
+    """Whether the rig drifts from batch to batch, as far as the readings tell; none with `blocks=True`, which takes it in whatever they say."""
     constrained_drifts: Dict[str, Drift] = dataclasses.field(default_factory=dict)
     """The same of the constraints whose readings tell of it."""
+    shifts: List[Shift] = dataclasses.field(default_factory=list)
+    """By how much the runs of each batch and source read above what is expected, where an error that they share is taken in."""
     find: Optional[Settings] = None
     """The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet."""
 
@@ -320,10 +322,13 @@ def _of(kind: Type[T], entry: Dict[str, Any], **others: Any) -> T:
 def _drift(entry: Optional[Dict[str, Any]]) -> Optional[Drift]:
     if entry is None:
         return None
-    shifts = [
-        Shift(one["block"].get("batch"), one["block"].get("source"), one["n_readings"], one["by"]) for one in entry["shifts"]
+    return Drift(entry["gain"], entry["deviation"], entry["noise"], _shifts(entry["shifts"]))
+
+
+def _shifts(entries: List[Dict[str, Any]]) -> List[Shift]:
+    return [
+        Shift(one["block"].get("batch"), one["block"].get("source"), one["n_readings"], one["by"]) for one in entries
     ]
-    return Drift(entry["gain"], entry["deviation"], entry["noise"], shifts)
 
 
 def _constrained(entry: Dict[str, Any]) -> Constrained:
@@ -428,8 +433,8 @@ class PooledLoop:
 
     A response is to be made small. `n_experiments` is the size of a batch. The simulation is run wherever it is needed;
     where it is dear, `simulations` limits how many there are per batch, and `due` says which. It may be displaced: right of
-    another design than of the one it is asked for. How far is learnt, unless `displaced` is false. With `blocks` runs of a batch
-    share an error, as where a rig drifts from day to day.
+    another design than of the one it is asked for. How far is learnt, unless `displaced` is false. Runs of a batch
+    share an error, as where a rig drifts from day to day, with `blocks=True`, and without `blocks` as soon as the readings are sure of it.
     `noise` is the standard deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
     recommended one by more than this, with the probability `confidence`; with `stop_by="surface"` once the surface alone says so,
     a batch or two earlier, and too early where the response has a narrow well that nobody has met. `smooth` says that the response surely has no
@@ -462,7 +467,7 @@ class PooledLoop:
         *,
         simulations: Optional[int] = None,
         displaced: bool = True,
-        blocks: bool = False,
+        blocks: Optional[bool] = None,
         max_batches: int = 10,
         noise: Optional[float] = None,
         worth: Optional[float] = None,
@@ -785,6 +790,7 @@ class PooledLoop:
             registration=self._registration(found.get("registration")),
             drift=_drift(found.get("drift")),
             constrained_drifts=self._constrained_drifts(found.get("constrained_drifts", [])),
+            shifts=_shifts(found.get("shifts", [])),
         )
 
     def _displacement(self, found: Optional[List[float]]) -> Optional[Dict[str, float]]:

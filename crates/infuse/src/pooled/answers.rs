@@ -21,7 +21,7 @@ impl Loop {
     /// [`Error::Surface`] if the responses cannot be fitted.
     pub fn assess(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Option<Assessment>, Error> {
         self.with_knowledge(simulate, |knowledge, readings, settings, batch| {
-            Look::at(knowledge, readings, settings, batch)?.assessment.with_drifts(knowledge, readings, settings)
+            Look::at(knowledge, readings, settings, batch)?.assessment.with_shifts(knowledge, readings, settings)
         })
     }
 

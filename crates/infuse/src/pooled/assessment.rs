@@ -12,10 +12,10 @@ use crate::pooled::bands::Bands;
 use crate::pooled::certificate::{Certificate, Draws, Evidence, Forecast};
 use crate::pooled::coverage::{Coverage, unseen};
 use crate::pooled::designs::Designs;
-use crate::pooled::drift::Drift;
+use crate::pooled::drift::{Drift, Members, Shift};
 use crate::pooled::economy::Economy;
 use crate::pooled::finds::Finds;
-use crate::pooled::held::{Expected, Held, MAY_RESPOND, UNKNOWN};
+use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::knowledge_gradient::pick;
 use crate::pooled::measurements::Reading;
@@ -166,7 +166,7 @@ pub struct Assessment {
     pub forecast: Forecast,
     /// Standard deviation of one reading, as given or as learnt.
     pub noise: f64,
-    /// Standard deviation of the error that all runs of an assembly share, where plants are told apart.
+    /// Standard deviation of the error that all runs of an assembly share, where plants are told apart, or of a block, where that is taken in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub assembly: Option<f64>,
     /// As much of that may be the plants' own, a part of the response: what plants that were put together again do not differ by.
@@ -200,13 +200,16 @@ pub struct Assessment {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<Registration>,
     /// What the readings say of runs of a batch that read otherwise than those of others, sure or not; none where they are too few, where
-    /// that is [allowed for](Settings::blocks), and where runs of a plant share an error anyway.
+    /// such an error is [taken in](Settings::blocks) whatever they say, and where runs of a plant share one anyway.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<Drift>,
-    /// The same of each constrained response; empty where nothing is constrained, or it is allowed for.
+    /// The same of each constrained response; empty where nothing is constrained, or nobody asks.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constrained_drifts: Vec<Option<Drift>>,
-    /// Standard deviation of the error that readings of each constrained response share, where that is allowed for.
+    /// By how much the runs of each block read above what is expected of them, where they [share an error](Self::assembly) that is taken in.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shifts: Vec<Shift>,
+    /// Standard deviation of the error that readings of each constrained response share, where that is taken in; empty where it is for none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constrained_shared: Vec<Option<f64>>,
     /// Readings that contradict the recommendation.
@@ -239,22 +242,22 @@ impl Assessment {
         (self.needed.is_none() && is_kept).then_some(self.certificate.bound)
     }
 
-    /// With what the readings say of a drift.
-    pub(crate) fn with_drifts(
+    /// With what nobody needs to choose a batch.
+    pub(crate) fn with_shifts(
         self,
         knowledge: &mut Knowledge<'_, '_>,
         readings: &Readings,
         settings: &Settings,
     ) -> Result<Self, Error> {
-        if settings.has_assemblies() {
+        if settings.plants.is_some() || !readings.are_shared() {
             return Ok(self);
         }
-        let Readings { kept, constrained, blocks, constrained_blocks, .. } = readings;
-        let cells: Vec<Cell> = kept.iter().map(|reading| reading.cell).collect();
+        let cells: Vec<Cell> = readings.kept.iter().map(|reading| reading.cell).collect();
         let places = knowledge.places(&cells)?;
-        let drift = Drift::of(kept, blocks, &places, knowledge.process.particles(), settings.noise.is_some())?;
-        let constrained_drifts = knowledge.constrained_drifts(constrained, constrained_blocks)?;
-        Ok(Self { drift, constrained_drifts, ..self })
+        let beyond = readings.kept.iter().zip(knowledge.process.marginals(&places)?.means);
+        let beyond: Vec<f64> = beyond.map(|(reading, expected)| reading.response - expected).collect();
+        let shifts = Shift::of_each(&Members::of(&readings.kept, &readings.blocks), &beyond);
+        Ok(Self { shifts, ..self })
     }
 
     /// The same, as a campaign has it that [stops](Settings::stop_by) so.
@@ -319,6 +322,7 @@ impl Look {
         batch: usize,
     ) -> Result<Self, Error> {
         let Readings { n_earlier, n_failed, .. } = *readings;
+        let (drift, constrained_drifts) = (readings.drift.clone(), readings.constrained_drifts.clone());
         let (constrained, set_aside, readings) = (&readings.constrained, &readings.set_aside, &readings.kept[..]);
         let open = outliers(knowledge, readings, settings)?;
         let again = to_run_again(readings, &open, knowledge.process.noise());
@@ -363,7 +367,7 @@ impl Look {
             let n_plants = plants.n_plants(designs);
             shared.best_of(n_plants, settings.confidence)
         });
-        let has_assemblies = settings.has_assemblies();
+        let has_assemblies = Reading::are_shared(readings);
         let of_a_block = || if has_assemblies { knowledge.process.assembly_deviation().powi(2) } else { 0.0 };
         let error_of_a_reading = shared.map_or_else(of_a_block, |(_, shared)| shared.error_of_a_reading());
         let mut rng = stream(settings.seed, Purpose::Finds, batch);
@@ -389,7 +393,9 @@ impl Look {
         let are_equal = readings.windows(2).all(|two| two[0].response.to_bits() == two[1].response.to_bits());
         let needed = Needed::of(&evidence, designs, settings, (n_repeats, are_equal));
         let bands = Bands::of(readings, designs.n_terms());
-        let shared_of_each = has_assemblies.then(|| knowledge.held.iter().map(Held::shared).collect());
+        let of_each = knowledge.held.iter().zip(constrained);
+        let of_each = of_each.map(|(held, readings)| held.shared().filter(|_| Reading::are_shared(readings)));
+        let shared_of_each: Vec<Option<f64>> = of_each.collect();
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: has_assemblies.then(|| knowledge.process.assembly_deviation()),
@@ -403,10 +409,11 @@ impl Look {
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
+            drift,
+            constrained_drifts,
             // These nobody needs to choose a batch.
-            drift: None,
-            constrained_drifts: Vec::new(),
-            constrained_shared: shared_of_each.unwrap_or_default(),
+            shifts: Vec::new(),
+            constrained_shared: if shared_of_each.iter().any(Option::is_some) { shared_of_each } else { Vec::new() },
             registration: knowledge.registration.clone(),
             displacement: knowledge.displacement().map(|displacement| displacement.natural(designs)),
             contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),
@@ -495,7 +502,7 @@ impl Look {
         pending: &[Cell],
         picks: &[Pick],
     ) -> Option<Cell> {
-        let is_given = settings.noise.is_some_and(|noise| noise > 0.0) && !settings.has_assemblies();
+        let is_given = settings.noise.is_some_and(|noise| noise > 0.0) && self.assessment.assembly.is_none();
         let measured = |cell: &Cell| knowledge.measured.contains(cell);
         let is_tested = self.assessment.n_repeats >= ENOUGH_TO_TEST
             || pending.iter().any(measured)

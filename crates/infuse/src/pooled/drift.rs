@@ -36,6 +36,44 @@ pub struct Drift {
     pub shifts: Vec<Shift>,
 }
 
+/// The readings of each block, by their places, and whose they are.
+pub(crate) struct Members<'a>(BTreeMap<&'a Block, Vec<usize>>);
+
+impl<'a> Members<'a> {
+    /// Of readings whose numbers count the blocks; what has none is left out.
+    pub(crate) fn of(readings: &[Reading], blocks: &'a [Block]) -> Self {
+        let mut members: BTreeMap<&Block, Vec<usize>> = BTreeMap::new();
+        for (at, reading) in readings.iter().enumerate() {
+            if let Some(block) = blocks.get(reading.number) {
+                members.entry(block).or_default().push(at);
+            }
+        }
+        Self(members)
+    }
+
+    /// The number of the block of each of so many readings; none if one has none.
+    fn numbers(&self, n_readings: usize) -> Option<Vec<usize>> {
+        let mut numbers = vec![None; n_readings];
+        for (number, members) in self.0.values().enumerate() {
+            members.iter().for_each(|&at| numbers[at] = Some(number));
+        }
+        numbers.into_iter().collect()
+    }
+}
+
+impl Shift {
+    /// Of each block, by how much each reading is above what is expected of its settings.
+    pub(crate) fn of_each(members: &Members<'_>, beyond: &[f64]) -> Vec<Self> {
+        let mean = |members: &[usize]| members.iter().map(|&at| beyond[at]).sum::<f64>() / members.len() as f64;
+        let of_block = |(block, members): (&&Block, &Vec<usize>)| Self {
+            block: (*block).clone(),
+            n_readings: members.len(),
+            by: mean(members),
+        };
+        members.0.iter().map(of_block).collect()
+    }
+}
+
 impl Drift {
     /// From this gain on it is believed: seldom where nothing drifts, as `docs/results-drift.md` counts.
     pub const SURE: f64 = 4.0;
@@ -72,18 +110,12 @@ impl Drift {
         particles: &[GaussianProcess],
         is_noise_known: bool,
     ) -> Result<Option<Self>, Error> {
-        let of_reading: Vec<&Block> = readings.iter().filter_map(|reading| blocks.get(reading.number)).collect();
-        let mut members: BTreeMap<&Block, Vec<usize>> = BTreeMap::new();
-        for (at, block) in of_reading.iter().enumerate() {
-            members.entry(block).or_default().push(at);
-        }
-        let n_large = members.values().filter(|members| members.len() >= FEWEST_OF_A_BLOCK).count();
-        if of_reading.len() < readings.len() || readings.len() < FEWEST || n_large < 2 {
+        let members = Members::of(readings, blocks);
+        let n_large = members.0.values().filter(|members| members.len() >= FEWEST_OF_A_BLOCK).count();
+        if readings.len() < FEWEST || n_large < 2 {
             return Ok(None);
         }
-        let numbers: BTreeMap<&Block, usize> =
-            members.keys().enumerate().map(|(number, block)| (*block, number)).collect();
-        let numbers: Vec<usize> = of_reading.iter().map(|block| numbers[block]).collect();
+        let Some(numbers) = members.numbers(readings.len()) else { return Ok(None) };
         let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
         let responses = readings.iter().map(|reading| reading.response).collect();
         let data = Data::new(places.n_factors(), coordinates, responses)?;
@@ -132,13 +164,7 @@ impl Drift {
                 *beyond += share * (reading.response - expected);
             }
         }
-        let mean = |members: &[usize]| members.iter().map(|&at| beyond[at]).sum::<f64>() / members.len() as f64;
-        let shift = |(block, members): (&&Block, &Vec<usize>)| Shift {
-            block: (*block).clone(),
-            n_readings: members.len(),
-            by: mean(members),
-        };
-        let shifts = members.iter().map(shift).collect();
+        let shifts = Shift::of_each(&members, &beyond);
         Ok((gain.is_finite() && deviation.is_finite()).then_some(Self { gain, deviation, noise, shifts }))
     }
 }

@@ -9,7 +9,7 @@ use surface::process::{Places, Sites};
 use crate::Error;
 use crate::pooled::block::Block;
 use crate::pooled::designs::Designs;
-use crate::pooled::plants::Plants;
+use crate::pooled::plants::{Assemblies, Plants};
 use crate::pooled::settings::Settings;
 use crate::pure_error::PureError;
 
@@ -21,7 +21,7 @@ pub(crate) struct Reading {
     pub(crate) response: f64,
     /// Position among all readings.
     pub(crate) number: usize,
-    /// Which readings it shares an error with, where plants are told apart.
+    /// Which readings it shares an error with, if it does with some: those of its plant in its batch, or those of its block.
     pub(crate) assembly: Option<usize>,
 }
 
@@ -30,6 +30,19 @@ impl Reading {
     pub(crate) fn range(readings: &[Self]) -> f64 {
         let responses = || readings.iter().map(|reading| reading.response);
         responses().fold(f64::NEG_INFINITY, f64::max) - responses().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Those of a block, by the number of a reading, share an error from here on.
+    fn share(readings: &mut [Self], blocks: &[Block]) {
+        let mut assemblies = Assemblies::default();
+        for reading in readings {
+            reading.assembly = blocks.get(reading.number).map(|block| assemblies.of(block, Vec::new()));
+        }
+    }
+
+    /// Whether they share an error with others.
+    pub(crate) fn are_shared(readings: &[Self]) -> bool {
+        readings.iter().any(|reading| reading.assembly.is_some())
     }
 
     /// Measurements with what the simulation says of the place of each, as a process takes them. Where there are plants, a part of the response may
@@ -115,6 +128,17 @@ impl Measurements {
             there.any(|reading| first.is_some_and(|first| first.coded != reading.coded))
         };
         extremes.filter(is_shared).chain(least).map(f64::to_bits).collect()
+    }
+
+    /// Readings of a block share an error: those of the response, and those of the constrained ones, that are meant.
+    pub(crate) fn share(&mut self, is_response: bool, is_constrained: impl Fn(usize) -> bool) {
+        if is_response {
+            Reading::share(&mut self.readings, &self.blocks);
+        }
+        let of_each = self.constrained.iter_mut().zip(&self.constrained_blocks).enumerate();
+        of_each.filter(|(index, _)| is_constrained(*index)).for_each(|(_, (readings, blocks))| {
+            Reading::share(readings, blocks);
+        });
     }
 
     /// The settings, without noise where nothing was said of it and repeats show none.

@@ -9,6 +9,7 @@ use crate::Error;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::block::Block;
 use crate::pooled::designs::Designs;
+use crate::pooled::drift::Drift;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::{Measurements, Reading};
 use crate::pooled::settings::Settings;
@@ -50,6 +51,26 @@ pub(crate) struct Readings {
     pub(crate) blocks: Vec<Block>,
     /// The same of the readings of each constrained response.
     pub(crate) constrained_blocks: Vec<Vec<Block>>,
+    /// What they say of a drift, by what was learnt without an error that runs of a block share.
+    pub(crate) drift: Option<Drift>,
+    /// The same of each constrained response.
+    pub(crate) constrained_drifts: Vec<Option<Drift>>,
+}
+
+impl Readings {
+    /// Whether those of the response share an error.
+    pub(crate) fn are_shared(&self) -> bool {
+        Reading::are_shared(&self.kept)
+    }
+
+    fn with_drifts(self, knowledge: &mut Knowledge<'_, '_>, is_noise_known: bool) -> Result<Self, Error> {
+        let Self { kept, constrained, blocks, constrained_blocks, .. } = &self;
+        let cells: Vec<Cell> = kept.iter().map(|reading| reading.cell).collect();
+        let places = knowledge.places(&cells)?;
+        let drift = Drift::of(kept, blocks, &places, knowledge.process.particles(), is_noise_known)?;
+        let constrained_drifts = knowledge.constrained_drifts(constrained, constrained_blocks)?;
+        Ok(Self { drift, constrained_drifts, ..self })
+    }
 }
 
 /// Beyond so many standard deviations a reading is an outlier.
@@ -148,7 +169,8 @@ pub(crate) fn doubted(
     Ok(is_carried.then_some(Doubted { reading: lowest.number, mean_without: others.mean }))
 }
 
-/// What follows from readings, but for those that are set aside.
+/// What follows from readings, but for those that are set aside. Where nothing was said of blocks and they are sure of a drift, it is learnt
+/// anew, with the error that runs of a block share.
 pub(crate) fn learnt<'a, 's>(
     mut measurements: Measurements,
     designs: &'a Designs,
@@ -156,14 +178,52 @@ pub(crate) fn learnt<'a, 's>(
     simulated: &'a mut Simulated,
     source: Source<'s>,
 ) -> Result<(Knowledge<'a, 's>, Readings), Error> {
-    let mut knowledge = Knowledge::of(&measurements, designs, settings, simulated, source)?;
+    let is_allowed_for = settings.plants.is_some() || settings.blocks == Some(true);
+    if is_allowed_for && settings.plants.is_none() {
+        measurements.share(true, |_| true);
+    }
+    let knowledge = Knowledge::of(&measurements, designs, settings, simulated, source)?;
+    let (mut knowledge, readings) = without_slips(knowledge, measurements.clone(), settings)?;
+    if is_allowed_for {
+        return Ok((knowledge, readings));
+    }
+    let readings = readings.with_drifts(&mut knowledge, settings.noise.is_some())?;
+    let is_sure = |drift: &Option<Drift>| drift.as_ref().is_some_and(Drift::is_sure);
+    let of_each: Vec<bool> = readings.constrained_drifts.iter().map(is_sure).collect();
+    let of_response = is_sure(&readings.drift);
+    if settings.blocks.is_some() || !(of_response || of_each.contains(&true)) {
+        return Ok((knowledge, readings));
+    }
+    let Readings { drift, constrained_drifts, .. } = readings;
+    measurements.share(of_response, |index| of_each.get(index).is_some_and(|of_it| *of_it));
+    let knowledge = knowledge.through(&measurements, settings)?;
+    let (knowledge, readings) = without_slips(knowledge, measurements, settings)?;
+    Ok((knowledge, Readings { drift, constrained_drifts, ..readings }))
+}
+
+/// The same without what repeats give the lie to.
+fn without_slips<'a, 's>(
+    mut knowledge: Knowledge<'a, 's>,
+    mut measurements: Measurements,
+    settings: &Settings,
+) -> Result<(Knowledge<'a, 's>, Readings), Error> {
     let set_aside = set_aside(&mut knowledge, &mut measurements.readings, settings)?;
     if !set_aside.is_empty() {
         knowledge = knowledge.through(&measurements, settings)?;
     }
     let Measurements { readings: kept, constrained, n_earlier, n_failed, blocks, constrained_blocks, .. } =
         measurements;
-    Ok((knowledge, Readings { kept, constrained, set_aside, n_earlier, n_failed, blocks, constrained_blocks }))
+    let readings = Readings {
+        kept,
+        constrained,
+        set_aside,
+        n_earlier,
+        n_failed,
+        blocks,
+        constrained_blocks,
+        ..Readings::default()
+    };
+    Ok((knowledge, readings))
 }
 
 /// Takes out of `readings` those that repeats give the lie to, and says which they were. Of two runs of the same settings that differ by

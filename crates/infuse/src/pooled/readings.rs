@@ -25,11 +25,13 @@ impl Loop {
         });
         let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
         let mut readings: Vec<Reading> = earlier.chain(own).enumerate().map(numbered).collect::<Result<_, Error>>()?;
-        self.assemble(
-            &mut readings,
-            &self.blocks(|earlier| earlier.outcome.cost().is_some(), |record| record.cost().is_some()),
-        );
+        self.assemble(&mut readings, &self.response_blocks());
         Ok(readings)
+    }
+
+    /// The block of each of them.
+    fn response_blocks(&self) -> Vec<Block> {
+        self.blocks(|earlier| earlier.outcome.cost().is_some(), |record| record.cost().is_some())
     }
 
     /// The blocks of the earlier experiments and of the records that count, in the order of their readings.
@@ -40,15 +42,15 @@ impl Loop {
         earlier.chain(own).collect()
     }
 
-    /// Says which readings share an error: those of one plant in one batch, what was made before standing alone; or those of one block.
+    /// Says which readings share an error, where there are plants: those of one plant in one batch, what was made before standing alone.
     fn assemble(&self, readings: &mut [Reading], blocks: &[Block]) {
+        let Some(plants) = &self.settings.plants else { return };
         let mut assemblies = Assemblies::default();
         for (reading, block) in readings.iter_mut().zip(blocks) {
-            reading.assembly = match (&self.settings.plants, block) {
-                (Some(plants), Block::Batch(_)) => Some(assemblies.of(block, plants.of(&self.designs, reading.cell))),
-                (Some(_), Block::Source(_)) => Some(assemblies.alone()),
-                (None, block) => self.settings.blocks.then(|| assemblies.of(block, Vec::new())),
-            };
+            reading.assembly = Some(match block {
+                Block::Batch(_) => assemblies.of(block, plants.of(&self.designs, reading.cell)),
+                Block::Source(_) => assemblies.alone(),
+            });
         }
     }
 
@@ -61,7 +63,7 @@ impl Loop {
         let readings = self.readings()?;
         let n_earlier = self.earlier.iter().filter(|earlier| earlier.outcome.cost().is_some()).count();
         let n_failed = self.n_failed(&readings);
-        let blocks = self.blocks(|earlier| earlier.outcome.cost().is_some(), |record| record.cost().is_some());
+        let blocks = self.response_blocks();
         let constrained_blocks =
             (0..self.settings.constraints.len()).map(|index| self.constrained_blocks(index)).collect();
         Ok(Measurements { readings, constrained, failed, refused, n_earlier, n_failed, blocks, constrained_blocks })

@@ -60,11 +60,11 @@ pub struct Settings {
     /// Number of structures and hyperparameters that are averaged. Default 18.
     #[serde(default = "default_particles")]
     pub particles: usize,
-    /// Runs of a batch share an error that those of others do not have, as where a rig drifts from day to day; so do those of a source
-    /// outside of the campaign. Where there are [plants](Self::plants), runs of one in a batch do anyway, and this changes nothing. Default:
-    /// they do not, but what they say of it is told.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub blocks: bool,
+    /// Whether runs of a batch share an error that those of others do not have, as where a rig drifts from day to day; so do those of a
+    /// source outside of the campaign, then. Where there are [plants](Self::plants), runs of one in a batch do anyway, and this changes
+    /// nothing. Default: as soon as the readings are [sure](crate::pooled::reported::Drift::is_sure) of it, of each response by its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blocks: Option<bool>,
     /// The structures that are averaged. Default: all.
     #[serde(default = "default_structures")]
     pub structures: Vec<Structure>,
@@ -139,16 +139,11 @@ impl Settings {
             constraints: Vec::new(),
             linear_constraints: Vec::new(),
             plants: None,
-            blocks: false,
+            blocks: None,
             particles: default_particles(),
             structures: default_structures(),
             seed: default_seed(),
         }
-    }
-
-    /// Whether some readings share an error.
-    pub(crate) fn has_assemblies(&self) -> bool {
-        self.plants.is_some() || self.blocks
     }
 
     /// How hyperparameters are drawn.

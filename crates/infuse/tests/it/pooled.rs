@@ -826,31 +826,37 @@ fn by_the_surface_alone_a_campaign_of_a_bowl_stops_sooner_and_not_too_early() {
     }
 }
 
-/// Every batch reads otherwise, by ten times the noise: that is said, and the best design is found once it is allowed for; what is shared by runs
-/// of a batch is then about as much as it is.
+/// Every batch reads otherwise, by ten times the noise: the best design is found once that is taken in, as it is by default as soon as the
+/// readings are sure of it; what is shared by runs of a batch is then about as much as it is.
 #[test]
-fn a_rig_that_drifts_is_said_to_and_allowed_for() {
-    let (mut said, mut better) = (0, 0.0);
+fn a_rig_that_drifts_is_said_to_and_taken_in() {
+    let (mut said, mut better, mut taken_in) = (0, 0.0, 0);
     for seed in 1..=5 {
-        let ended = |blocks: bool| {
+        let ended = |blocks: Option<bool>| {
             let mut settings = batches(10, 4, seed);
             settings.blocks = blocks;
             let mut campaign = campaign(2, 21, settings);
             let mut measure = noisy(seed, 0.01, truth);
             let mut drifting = |trial: &Trial| Ok(measure(trial)? + [0.0, 0.1, -0.1, 0.15][trial.batch - 1]);
             campaign.run(&mut simulation, &mut drifting).expect("a campaign that ends");
-            let found = assessed(&mut campaign);
-            assert!(truth(&found.recommended.point) <= 0.05 || !blocks, "seed {seed}: {found:?}");
-            found
+            assessed(&mut campaign)
         };
-        let (plain, allowed) = (ended(false), ended(true));
-        said += usize::from(plain.drift.as_ref().is_some_and(Drift::is_sure));
-        assert!(allowed.drift.is_none() && plain.assembly.is_none(), "seed {seed}");
-        let shared = allowed.assembly.expect("an error that is shared");
-        assert!((0.04..0.4).contains(&shared) && allowed.noise < 0.03, "seed {seed}: {shared} {}", allowed.noise);
-        better += truth(&plain.recommended.point) - truth(&allowed.recommended.point);
+        let (left, always, by_itself) = (ended(Some(false)), ended(Some(true)), ended(None));
+        let is_sure = |found: &Assessment| found.drift.as_ref().is_some_and(Drift::is_sure);
+        said += usize::from(is_sure(&left));
+        assert!(always.drift.is_none() && left.assembly.is_none() && left.shifts.is_empty(), "seed {seed}");
+        assert_eq!(is_sure(&by_itself), by_itself.assembly.is_some(), "seed {seed}: {by_itself:?}");
+        taken_in += usize::from(by_itself.assembly.is_some());
+        for found in [&always, &by_itself].into_iter().filter(|found| found.assembly.is_some()) {
+            assert!(truth(&found.recommended.point) <= 0.05, "seed {seed}: {found:?}");
+            let shared = found.assembly.expect("an error that is shared");
+            assert!((0.04..0.4).contains(&shared) && found.noise < 0.03, "seed {seed}: {shared} {}", found.noise);
+            let by: Vec<f64> = found.shifts.iter().map(|shift| shift.by).collect();
+            assert!((by[1] - by[2] - 0.2).abs() < 0.05 && found.shifts[3].n_readings == 10, "seed {seed}: {by:?}");
+        }
+        better += truth(&left.recommended.point) - truth(&by_itself.recommended.point);
     }
-    assert!(said >= 4 && better >= 0.0, "{said} of 5, {better}");
+    assert!(said >= 4 && taken_in >= 4 && better >= 0.0, "{said}, {taken_in} of 5, {better}");
 }
 
 /// Experiments from elsewhere that all read more: their source is a block of its own.

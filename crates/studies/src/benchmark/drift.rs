@@ -47,12 +47,14 @@ pub(super) const KINDS: [Kind; 5] = [
 pub(super) struct Way {
     pub(super) name: &'static str,
     pub(super) words: &'static str,
-    blocks: bool,
+    blocks: Option<bool>,
 }
 
-pub(super) const WAYS: [Way; 2] = [
-    Way { name: "as-they-are", words: "results as they are", blocks: false },
-    Way { name: "blocks", words: "`blocks`", blocks: true },
+/// The last one is what the loop does by itself.
+pub(super) const WAYS: [Way; 3] = [
+    Way { name: "as-they-are", words: "results as they are", blocks: Some(false) },
+    Way { name: "blocks", words: "`blocks`", blocks: Some(true) },
+    Way { name: "if-sure", words: "once results are sure", blocks: None },
 ];
 
 /// After a batch.

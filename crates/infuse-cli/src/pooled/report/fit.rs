@@ -164,8 +164,8 @@ fn caption(view: &View, has_simulation: bool, n_charts: usize) -> String {
             view.response().amount(view.found.noise)
         ));
     }
-    if view.campaign.settings.blocks {
-        text.push_str(" What runs of a batch share, as `blocks` says, is not taken off.");
+    if !view.found.shifts.is_empty() {
+        text.push_str(" What runs of a batch share is not taken off.");
     }
     if has_simulation {
         let place = if n_charts > 3 { "Fourth" } else { "Third" };

@@ -28,9 +28,11 @@ pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
         ("`seed`", settings.seed.to_string()),
         ("designs", grouped(campaign.grid.n_cells())),
     ];
-    if settings.blocks {
-        rows.push(("`blocks`", "true: runs of a batch share an error".to_owned()));
-    }
+    let of_blocks = settings.blocks.map(|blocks| match blocks {
+        true => "true: runs of a batch share an error",
+        false => "false: runs of a batch share no error, whatever they say",
+    });
+    rows.extend(of_blocks.map(|words| ("`blocks`", words.to_owned())));
     if !settings.displaced {
         rows.push(("`displaced`", "false: the simulation is taken as it stands".to_owned()));
     }
