@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use design_space::{Cell, Grid, Parameter, Region};
-use infuse::pooled::{Ask, Assessment, Earlier, Loop, Record, Responses, Settings, Simulate, StopReason, Trial};
+use infuse::pooled::{Ask, Assessment, Loop, Record, Responses, Settings, Simulate, StopReason, Trial};
 use infuse::{Outcome, TrialId};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -14,29 +14,18 @@ use crate::background::interruptible_with;
 use crate::error::{Error, refusal, settings_of};
 use crate::parameters::{ParameterTuple, region, snap, tuples};
 use crate::saved::{saved_as, unpacked};
-use crate::simulator::{Answer, RemoteSimulator, call};
+use crate::simulator::{RemoteSimulator, call};
 
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
-/// A campaign in a file: all that the loop was told. What it thinks of that follows.
+/// A campaign in a file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Saved {
     format: u32,
     kind: String,
-    region: Region,
-    settings: Settings,
-    records: Vec<Record>,
-    earlier: Vec<Earlier>,
-    /// The response at each simulated cell, nothing where there was none.
-    simulated: BTreeMap<u64, Option<f64>>,
-    due: Vec<Cell>,
     stopped: Option<StopReason>,
-    /// The constrained responses of trials, and of simulated cells.
-    #[serde(default)]
-    constrained: BTreeMap<u64, Vec<Option<f64>>>,
-    #[serde(default)]
-    simulated_constrained: BTreeMap<u64, Vec<Option<f64>>>,
+    campaign: Loop,
 }
 
 const KIND: &str = "pooled";
@@ -46,10 +35,7 @@ const KIND: &str = "pooled";
 #[derive(Debug, Clone)]
 pub(crate) struct PooledLoop {
     campaign: Loop,
-    simulated: BTreeMap<u64, Option<f64>>,
-    due: Vec<Cell>,
     stopped: Option<StopReason>,
-    simulated_constrained: BTreeMap<u64, Vec<Option<f64>>>,
 }
 
 #[pymethods]
@@ -61,25 +47,13 @@ impl PooledLoop {
 
     #[staticmethod]
     fn from_json(text: &str) -> PyResult<Self> {
-        let saved = saved_as(KIND, FORMAT, text)?;
-        Self::replayed(unpacked(saved)?)
+        let Saved { stopped, campaign, .. } = unpacked(saved_as(KIND, FORMAT, text)?)?;
+        Ok(Self { campaign, stopped })
     }
 
     fn to_json(&self) -> PyResult<String> {
-        let saved = Saved {
-            format: FORMAT,
-            kind: KIND.to_owned(),
-            region: self.campaign.region().clone(),
-            settings: self.campaign.settings().clone(),
-            records: self.campaign.records().to_vec(),
-            earlier: self.campaign.earlier().to_vec(),
-            simulated: self.simulated.clone(),
-            due: self.due.clone(),
-            stopped: self.stopped,
-            constrained: self.told_constrained(),
-            simulated_constrained: self.simulated_constrained.clone(),
-        };
-        serde_json::to_string_pretty(&saved).map_err(refusal)
+        let (kind, stopped, campaign) = (KIND.to_owned(), self.stopped, self.campaign.clone());
+        serde_json::to_string_pretty(&Saved { format: FORMAT, kind, stopped, campaign }).map_err(refusal)
     }
 
     fn copy(&self) -> Self {
@@ -117,15 +91,10 @@ impl PooledLoop {
 
     /// Outstanding trials as JSON; new ones if there are none, or with `more`.
     fn ask(&mut self, py: Python<'_>, simulate: Option<Py<PyAny>>, more: bool) -> PyResult<String> {
-        let waits = !self.campaign.outstanding().is_empty() || !self.due.is_empty();
+        let waits = !self.campaign.outstanding().is_empty() || !self.campaign.due().is_empty();
         if more || !waits {
             match self.with(py, simulate, |campaign, simulate| campaign.ask_more(simulate))? {
-                Ask::Run { simulations, .. } => {
-                    self.due.extend(simulations);
-                    self.due.sort_unstable();
-                    self.due.dedup();
-                    self.stopped = None;
-                }
+                Ask::Run { .. } => self.stopped = None,
                 Ask::Stopped(reason) => self.stopped = Some(reason),
             }
         }
@@ -150,7 +119,8 @@ impl PooledLoop {
     /// The settings to simulate before the next batch.
     fn due<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let grid = self.campaign.grid();
-        let points = self.due.iter().map(|&cell| grid.point(cell)).collect::<Result<Vec<_>, _>>().map_err(refusal)?;
+        let due = self.campaign.due().iter();
+        let points = due.map(|&cell| grid.point(cell)).collect::<Result<Vec<_>, _>>().map_err(refusal)?;
         matrix(py, self.campaign.region().n_parameters(), points.concat())
     }
 
@@ -180,8 +150,7 @@ impl PooledLoop {
 
     /// Whether a constrained response was measured or simulated anywhere.
     fn has_constrained(&self) -> bool {
-        let is_earlier = self.campaign.earlier().iter().any(|earlier| !earlier.constrained.is_empty());
-        is_earlier || !self.told_constrained().is_empty() || !self.simulated_constrained.is_empty()
+        self.campaign.has_constrained()
     }
 
     /// The constrained responses of a trial, in the order of the constraints.
@@ -200,17 +169,19 @@ impl PooledLoop {
         for (cell, values) in cells.into_iter().zip(values.chunks(per_design.max(1))) {
             let constrained: Vec<Option<f64>> =
                 values[1..].iter().map(|value| value.is_finite().then_some(*value)).collect();
-            self.remember(cell, values[0].is_finite().then_some(values[0]), constrained)?;
-            self.due.retain(|&due| due != cell);
+            if values[0].is_finite() {
+                let responses = Responses { objective: values[0], constrained };
+                self.campaign.tell_simulated(cell, responses).map_err(refusal)?;
+            } else {
+                let failed = Outcome::Failed { reason: format!("it gave {}", values[0]) };
+                self.campaign.tell_simulation(cell, &failed).map_err(refusal)?;
+            }
         }
         Ok(())
     }
 
     fn forget_simulations(&mut self) {
         self.campaign.forget_simulations();
-        self.simulated.clear();
-        self.simulated_constrained.clear();
-        self.due.clear();
     }
 
     fn add_earlier(
@@ -281,75 +252,13 @@ impl PooledLoop {
 impl PooledLoop {
     fn begin(region: &Region, settings: Settings) -> PyResult<Self> {
         let campaign = Loop::new(region, settings).map_err(refusal)?;
-        let simulated_constrained = BTreeMap::new();
-        Ok(Self { campaign, simulated: BTreeMap::new(), due: Vec::new(), stopped: None, simulated_constrained })
+        Ok(Self { campaign, stopped: None })
     }
 
     /// What was told of the constrained responses of trials.
     fn told_constrained(&self) -> BTreeMap<u64, Vec<Option<f64>>> {
         let of = |record: &Record| (record.trial.id.number(), self.campaign.constrained(record.trial.id).to_vec());
         self.campaign.records().iter().map(of).filter(|(_, values)| !values.is_empty()).collect()
-    }
-
-    /// What a simulation said.
-    fn remember(&mut self, cell: Cell, response: Option<f64>, constrained: Vec<Option<f64>>) -> PyResult<()> {
-        match response {
-            Some(objective) => {
-                let responses = Responses { objective, constrained: constrained.clone() };
-                self.campaign.tell_simulated(cell, responses).map_err(refusal)?;
-            }
-            None => {
-                let failed = Outcome::Failed { reason: "it failed".to_owned() };
-                self.campaign.tell_simulation(cell, &failed).map_err(refusal)?;
-            }
-        }
-        self.simulated.insert(cell.index(), response);
-        if !constrained.is_empty() {
-            self.simulated_constrained.insert(cell.index(), constrained);
-        }
-        Ok(())
-    }
-
-    /// The campaign that was told all this.
-    fn replayed(saved: Saved) -> PyResult<Self> {
-        let Saved { region, settings, records, earlier, simulated, due, stopped, constrained, .. } = saved;
-        let mut of_cells = saved.simulated_constrained;
-        let mut read = Self::begin(&region, settings)?;
-        for batch in records.chunk_by(|a, b| a.trial.batch == b.trial.batch) {
-            let cells: Vec<Cell> = batch.iter().map(|record| record.trial.cell).collect();
-            let trials = read.campaign.hand_out(&cells).map_err(refusal)?;
-            if trials.iter().zip(batch).any(|(found, saved)| *found != saved.trial) {
-                return Err(Error::new_err("the saved state is not usable: its trials do not follow from their cells"));
-            }
-            for Record { trial, actual, outcome } in batch {
-                match (outcome.clone(), actual) {
-                    (Some(outcome), Some(actual)) => read.campaign.tell_at(trial.id, actual, outcome),
-                    (Some(outcome), None) => read.campaign.tell(trial.id, outcome),
-                    (None, _) => Ok(()),
-                }
-                .map_err(refusal)?;
-            }
-        }
-        for Earlier { point, outcome, source, constrained } in earlier {
-            match outcome {
-                Outcome::Value(objective) => {
-                    read.campaign.add_earlier(&point, Responses { objective, constrained }, source)
-                }
-                Outcome::Failed { reason } => read.campaign.add_earlier_failure(&point, reason, source),
-            }
-            .map_err(refusal)?;
-        }
-        for (id, values) in constrained {
-            read.campaign.tell_constrained(TrialId::new(id), &values).map_err(refusal)?;
-        }
-        for (cell, response) in simulated {
-            let values = of_cells.remove(&cell).unwrap_or_default();
-            read.remember(Cell::new(cell), response, values)?;
-        }
-        for &cell in &due {
-            read.campaign.grid().digits(cell).map_err(refusal)?;
-        }
-        Ok(Self { due, stopped, ..read })
     }
 
     /// Settings that were made, the asked ones with all their digits where they are those but for rounding to twelve.
@@ -372,17 +281,11 @@ impl PooledLoop {
             Some(function) => call(py, function, points),
             None => Ok(Vec::new()),
         };
-        let (campaign, outcome, answers) = interruptible_with(py, answer, move |caller| {
+        let (campaign, outcome) = interruptible_with(py, answer, move |caller| {
             let mut simulator = RemoteSimulator::new(caller);
             let outcome = work(&mut campaign, is_simulated.then_some(&mut simulator as &mut dyn Simulate));
-            (campaign, outcome, simulator.answers)
+            (campaign, outcome)
         })?;
-        for Answer { cell, value, constrained } in answers {
-            self.simulated.insert(cell.index(), value.is_finite().then_some(value));
-            if !constrained.is_empty() {
-                self.simulated_constrained.insert(cell.index(), constrained);
-            }
-        }
         self.campaign = campaign;
         outcome.map_err(refusal)
     }

@@ -9,25 +9,14 @@ use crate::arrays::matrix;
 use crate::background::Caller;
 use crate::error::Error;
 
-/// What a function said of a design.
-#[derive(Debug)]
-pub(crate) struct Answer {
-    pub(crate) cell: Cell,
-    pub(crate) value: f64,
-    /// One per constraint, if it gave them.
-    pub(crate) constrained: Vec<Option<f64>>,
-}
-
 /// A Python function, from the thread that works: the one that called runs it.
 pub(crate) struct RemoteSimulator<'a> {
     caller: &'a Caller,
-    /// What it was asked, with its answers.
-    pub(crate) answers: Vec<Answer>,
 }
 
 impl<'a> RemoteSimulator<'a> {
     pub(crate) fn new(caller: &'a Caller) -> Self {
-        Self { caller, answers: Vec::new() }
+        Self { caller }
     }
 }
 
@@ -59,21 +48,16 @@ pub(crate) fn result(response: f64) -> Result<f64, String> {
     if response.is_finite() { Ok(response) } else { Err(format!("the simulation returned {response}")) }
 }
 
-impl RemoteSimulator<'_> {
-    /// The response, and behind it those on which there are constraints.
-    fn answer(&mut self, cell: Cell, values: &[f64]) -> Result<Responses, String> {
-        let constrained: Vec<Option<f64>> =
-            values[1..].iter().map(|value| value.is_finite().then_some(*value)).collect();
-        self.answers.push(Answer { cell, value: values[0], constrained: constrained.clone() });
-        result(values[0]).map(|objective| Responses { objective, constrained })
-    }
+/// The response, and behind it those on which there are constraints.
+fn answer(values: &[f64]) -> Result<Responses, String> {
+    let constrained = values[1..].iter().map(|value| value.is_finite().then_some(*value)).collect();
+    result(values[0]).map(|objective| Responses { objective, constrained })
 }
 
 impl Simulate for RemoteSimulator<'_> {
-    fn responses(&mut self, cells: &[Cell], points: &[Vec<f64>]) -> Vec<Result<Responses, String>> {
+    fn responses(&mut self, _: &[Cell], points: &[Vec<f64>]) -> Vec<Result<Responses, String>> {
         let responses = self.caller.call(points);
         let per_design = responses.len() / points.len().max(1);
-        let of_designs = responses.chunks(per_design.max(1)).zip(cells);
-        of_designs.map(|(values, &cell)| self.answer(cell, values)).collect()
+        responses.chunks(per_design.max(1)).take(points.len()).map(answer).collect()
     }
 }

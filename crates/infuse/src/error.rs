@@ -290,6 +290,12 @@ pub enum Error {
         /// How many constraints have it.
         n_times: usize,
     },
+    /// There is nothing left to ask for.
+    #[error("all {n_refused} designs were refused, so that none is left to be run")]
+    EveryDesignRefused {
+        /// How many that are.
+        n_refused: usize,
+    },
     /// Constraints on the settings that no design keeps to.
     #[error(
         "no design was found that keeps to the linear constraints, {n_constraints} bounds in all; expected some that do"

@@ -78,7 +78,7 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.plants = problem.costs.as_ref().map(Costs::plants);
     settings.linear_constraints.clone_from(&problem.linear_constraints);
     settings.seed = problem.seed;
-    settings.validate()?;
+    settings.validate(&problem.region)?;
     Ok(settings)
 }
 

@@ -555,7 +555,7 @@ class PooledLoop:
 
     @property
     def stopped(self) -> Optional[str]:
-        """Why the last `ask` gave nothing: `max_batches` or `not_worth_it`."""
+        """Why the last `ask` gave nothing: `batch_limit` or `not_worth_it`."""
         return self._loop.stopped()
 
     @property

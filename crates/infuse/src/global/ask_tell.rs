@@ -9,9 +9,10 @@ use crate::global::earlier::EarlierExperiment;
 use crate::global::open_batch::OpenBatch;
 use crate::global::plan::Plan;
 use crate::global::report::StopReason;
-use crate::global::trial::{Trial, check_actual};
+use crate::global::trial::Trial;
 use crate::global::turn::Closed;
 use crate::ledger::not_outstanding;
+use crate::trial::check_actual;
 use crate::{Error, Outcome, TrialId};
 
 /// What there is to do next.
@@ -67,7 +68,8 @@ impl Loop {
     /// simulation of the plan, in its order, and may look up what has been run before.
     ///
     /// The designs need not be those of [`plan`](Self::plan): any cells that are left will do, in the numbers of the
-    /// settings. So a campaign is followed again from its notes without searching.
+    /// settings. So a campaign is followed again from its notes without searching, past the limit on the batches, too, which may
+    /// have been lowered since.
     ///
     /// # Errors
     ///
@@ -193,7 +195,7 @@ impl Loop {
         let Some(mut open) = self.open.clone() else {
             return Err(not_outstanding(id, self.n_asked()));
         };
-        open.trials.record(id, actual, outcome, |trial, actual| check_actual(trial, actual, self.region()))?;
+        open.trials.record(id, actual, outcome, |trial, actual| check_actual(trial.id, actual, self.region()))?;
         if open.trials.is_complete() {
             let closed = self.finish(open)?;
             self.close(closed);

@@ -91,7 +91,7 @@ impl<'a> DesignSpace<'a> {
         batch: usize,
     ) -> Result<Self, Error> {
         let seed = seed(settings.seed, batch, Purpose::Candidates);
-        let candidates = Candidates::of(retained, cells, settings.candidate_limit, seed)?;
+        let candidates = Candidates::of(retained, cells, settings.candidate_limit(), seed)?;
         let names: Vec<&str> = cells.region().parameters().iter().map(design_space::Parameter::name).collect();
         let names = settings.model.term_names(&names);
         let named = |confounding: doe::Confounding| DroppedTerm {

@@ -4,7 +4,7 @@ use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::trial::{NEAR_THE_REGION, far_setting};
+use crate::trial::check_earlier;
 
 /// An experiment that no batch asked for, see [`Loop::add_earlier`](crate::global::Loop::add_earlier).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,9 +29,7 @@ impl EarlierExperiment {
     }
 
     pub(crate) fn check(&self, region: &Region) -> Result<(), Error> {
-        if let Some((parameter, value)) = far_setting(&self.point, region)? {
-            return Err(Error::EarlierSetting { parameter, value, expected: NEAR_THE_REGION });
-        }
+        check_earlier(&self.point, region)?;
         if self.cost.abs() <= surface::Data::LARGEST {
             return Ok(());
         }

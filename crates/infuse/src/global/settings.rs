@@ -146,10 +146,10 @@ pub struct Settings {
     #[serde(default = "default_design_starts")]
     pub design_starts: u64,
     /// Designs are searched among at most about this many cells, at least 1000: a larger set is
-    /// represented by a part of it. Default 400,000; for more than 15 terms [`new`](Self::new) takes so many that they have
+    /// represented by a part of it. Default 400,000; for more than 15 terms so many that they have
     /// 4,500,000 regressors, which keeps a search within some 150 MB.
-    #[serde(default = "default_candidate_limit")]
-    pub candidate_limit: u64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub candidate_limit: Option<u64>,
 }
 
 fn default_experiment_weight() -> f64 {
@@ -208,19 +208,11 @@ fn default_design_starts() -> u64 {
 /// Designs are searched among at least so many cells.
 const LEAST_CANDIDATES: u64 = 1000;
 
-fn default_candidate_limit() -> u64 {
-    400_000
-}
-
+const MOST_CANDIDATES: u64 = 400_000;
 /// Up to so many terms the default number of candidates needs little memory.
 const FEW_TERMS: usize = 15;
 /// With more terms, as many candidates as have so many regressors together: 36 MB, of which a search holds a few copies.
 const MOST_REGRESSORS: usize = 4_500_000;
-
-fn candidate_limit(n_terms: usize) -> u64 {
-    let by_memory = if n_terms > FEW_TERMS { MOST_REGRESSORS / n_terms } else { usize::MAX };
-    default_candidate_limit().min(by_memory as u64).max(LEAST_CANDIDATES)
-}
 
 impl Settings {
     /// The largest number of experiments or simulations of a batch.
@@ -230,7 +222,6 @@ impl Settings {
     /// the rest as documented per field.
     #[must_use]
     pub fn new(model: Model, n_experiments: usize, n_simulations: usize) -> Self {
-        let candidate_limit = candidate_limit(model.n_terms());
         Self {
             model,
             n_experiments,
@@ -248,8 +239,16 @@ impl Settings {
             max_batches: default_max_batches(),
             seed: default_seed(),
             design_starts: default_design_starts(),
-            candidate_limit,
+            candidate_limit: None,
         }
+    }
+
+    /// The limit in force.
+    #[must_use]
+    pub fn candidate_limit(&self) -> u64 {
+        let n_terms = self.model.n_terms();
+        let by_memory = if n_terms > FEW_TERMS { MOST_REGRESSORS / n_terms } else { usize::MAX };
+        self.candidate_limit.unwrap_or_else(|| MOST_CANDIDATES.min(by_memory as u64).max(LEAST_CANDIDATES))
     }
 
     /// Whether every setting is usable for this region.
@@ -302,7 +301,7 @@ impl Settings {
             count(name, value_shown, value >= least, expected)
         };
         positive_count("design_starts", self.design_starts, 1, "at least 1")?;
-        positive_count("candidate_limit", self.candidate_limit, LEAST_CANDIDATES, "at least 1000")
+        positive_count("candidate_limit", self.candidate_limit(), LEAST_CANDIDATES, "at least 1000")
     }
 
     fn validate_weights(&self) -> Result<(), Error> {

@@ -14,7 +14,8 @@ use crate::global::earlier::EarlierExperiment;
 use crate::global::open_batch::{OpenBatch, trials};
 use crate::global::report::{Report, SimulationRecord};
 use crate::global::settings::Settings;
-use crate::global::trial::{Trial, TrialRecord, Trials, check_actual};
+use crate::global::trial::{Trial, TrialRecord, TrialUse, Trials};
+use crate::trial::check_actual;
 
 const FORMAT: u32 = 1;
 
@@ -149,14 +150,24 @@ fn checked_open(campaign: &Loop, mut saved: OpenBatch) -> Result<OpenBatch, Erro
         return Err(wrong("cell", "a cell that was left at the onset of the batch"));
     }
     let space = DesignSpace::of(&campaign.retained, cells, settings, turn)?;
-    let handed_out = trials(&experiments, &campaign.uses(&space, &experiments)?, cells, turn, campaign.n_asked())?;
+    let mut uses = campaign.uses(&space, &experiments)?;
+    if settings.careful {
+        // By what was known as it was handed out: what came from outside since then counts in the batch, and did not choose.
+        let saved: Vec<TrialUse> = saved.trials.trials().map(|trial| trial.used_for).collect();
+        let n_training = |uses: &[TrialUse]| uses.iter().filter(|used_for| **used_for == TrialUse::Training).count();
+        if n_training(&saved) != n_training(&uses) {
+            return Err(wrong("trials.trial.used_for", "as many for training as the design has"));
+        }
+        uses = saved;
+    }
+    let handed_out = trials(&experiments, &uses, cells, turn, campaign.n_asked())?;
     let agreement = agreement(campaign, &saved.simulations, saved.trials.records());
     for (saved, found) in saved.trials.trials().zip(handed_out.trials()) {
         agreement.of_trials(saved, found)?;
     }
     let batch = space.batch(&experiments, &runs)?;
     agreement.of_batches(&saved.batch, &batch)?;
-    let check = |trial: &Trial, actual: &Vec<f64>| check_actual(trial, actual, cells.region());
+    let check = |trial: &Trial, actual: &Vec<f64>| check_actual(trial.id, actual, cells.region());
     saved.trials = handed_out.with_outcomes_of(&saved.trials, turn, check)?;
     for record in &saved.simulations {
         agreement.exact("simulations.point", &record.point, &cells.natural(record.cell)?)?;

@@ -1,11 +1,10 @@
 //! One experiment of a batch, and the settings at which it was really made.
 
-use design_space::{Cell, Region};
+use design_space::Cell;
 use serde::{Deserialize, Serialize};
 
+use crate::TrialId;
 use crate::ledger::{Ledger, Numbered, Record};
-use crate::trial::{NEAR_THE_REGION, far_setting};
-use crate::{Error, TrialId};
 
 /// What an experiment is used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -52,12 +51,4 @@ impl Record<Trial, Vec<f64>> {
     pub fn settings(&self) -> &[f64] {
         self.actual.as_ref().unwrap_or(&self.trial.point)
     }
-}
-
-/// Whether settings that were made can be those of this trial.
-pub(crate) fn check_actual(trial: &Trial, actual: &[f64], region: &Region) -> Result<(), Error> {
-    let Some((parameter, actual)) = far_setting(actual, region)? else {
-        return Ok(());
-    };
-    Err(Error::ActualSettingOf { id: trial.id, parameter, actual, expected: NEAR_THE_REGION })
 }

@@ -10,7 +10,7 @@ use crate::gradient::report::{Report, StopReason};
 use crate::gradient::settings::Settings;
 use crate::gradient::trial::Trial;
 use crate::identification::{self, Answer, Identification, Measurements, Unknowns, identify};
-use crate::{CodesignProblem, Error, TrialId};
+use crate::{CodesignProblem, Error, Outcome, TrialId};
 
 /// How experiments are digested: the two mechanisms of Section 3.5, and their combination. In files `response_correction`,
 /// `identification`, `both`.
@@ -180,7 +180,11 @@ impl IdentifyingLoop {
             }
             _ => measurements.push_failed(),
         }
-        self.inner.tell(id, reading.map(|read| read.cost).into())?;
+        let outcome = match reading {
+            Ok(read) => Outcome::Value(read.cost),
+            Err(reason) => Outcome::Failed { reason },
+        };
+        self.inner.tell(id, outcome)?;
         self.measurements = measurements;
         if let Some(report) = self.inner.history.get(self.turns.len()) {
             let Now { unknowns, identification, carried } = self.now.clone();
@@ -189,7 +193,8 @@ impl IdentifyingLoop {
         Ok(())
     }
 
-    /// Asks and tells until the campaign ends, with experiments that answer at once, a batch at a time and in its order.
+    /// Asks and tells until the campaign ends, with experiments that answer at once, a batch at a time and in its order. A reading whose cost
+    /// is no number counts as one that failed.
     ///
     /// # Errors
     ///
@@ -206,7 +211,7 @@ impl IdentifyingLoop {
                     let readings = experiments(&trials);
                     crate::checks::check_count("readings", trials.len(), readings.len(), "trial")?;
                     for (trial, reading) in trials.iter().zip(readings) {
-                        self.tell(trial.id, reading)?;
+                        self.tell(trial.id, usable(reading))?;
                     }
                 }
             }
@@ -260,5 +265,14 @@ impl Loop {
             correction = correction.updated(self.settings.correction_form, &self.settings.trust, at).0;
             report.correction = correction.clone();
         }
+    }
+}
+
+/// A reading with a cost, or the reason why there is none.
+fn usable(reading: Result<Reading, String>) -> Result<Reading, String> {
+    let reading = reading?;
+    match Outcome::from(Ok(reading.cost)) {
+        Outcome::Value(_) => Ok(reading),
+        Outcome::Failed { reason } => Err(reason),
     }
 }

@@ -127,7 +127,10 @@ impl Settings {
         let is_visible = |parameter: &Parameter, length| length >= final_radius * 0.5 * parameter.width();
         each(parameters, name, &self.tolerances(), expected, is_visible)?;
         if let Some(limits) = &self.move_limits {
-            each(parameters, "move_limits", limits, positive, is_positive)?;
+            let expected = "a length above rounding";
+            each(parameters, "move_limits", limits, expected, |parameter, limit| {
+                is_above_rounding(parameter, limit) && limit.is_finite()
+            })?;
         }
         if self.max_iterations == 0 {
             return Err(Error::SettingCount { name: "max_iterations", value: 0, expected: "at least 1" });
@@ -144,8 +147,11 @@ fn is_positive(_: &Parameter, value: f64) -> bool {
 }
 
 fn is_usable_step(parameter: &Parameter, step: f64) -> bool {
-    let largest = parameter.lower().abs().max(parameter.upper().abs());
-    step > 1e-12 * largest && step < 0.5 * parameter.width()
+    is_above_rounding(parameter, step) && step < 0.5 * parameter.width()
+}
+
+fn is_above_rounding(parameter: &Parameter, length: f64) -> bool {
+    length > 1e-12 * parameter.lower().abs().max(parameter.upper().abs())
 }
 
 fn each(

@@ -1,5 +1,7 @@
 //! Asking for experiments, and telling what became of them.
 
+use std::fmt;
+
 use design_space::Cell;
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +9,7 @@ use crate::pooled::campaign::{Earlier, Loop, Record, Trial};
 use crate::pooled::reason::Pick;
 use crate::pooled::simulated::{Responses, Simulate, Simulated};
 use crate::pooled::turn::Next;
-use crate::trial::{NEAR_THE_REGION, far_setting};
+use crate::trial::{check_actual, check_earlier};
 use crate::{Error, Outcome, TrialId};
 
 /// What there is to do next.
@@ -25,13 +27,24 @@ pub enum Ask {
 }
 
 /// Why a campaign has ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopReason {
     /// All batches were run.
-    MaxBatches,
-    /// No design is better than the recommended one by more than another batch is worth, says the certificate.
+    BatchLimit,
+    /// No design is better than the recommended one by more than another batch is worth, says what the campaign
+    /// [stops by](crate::pooled::Settings::stop_by).
     NotWorthIt,
+}
+
+impl fmt::Display for StopReason {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::BatchLimit => "the limit on the batches was reached",
+            Self::NotWorthIt => "another batch is not worth it",
+        })
+    }
 }
 
 impl Loop {
@@ -44,7 +57,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::Surface`] if the responses cannot be fitted. The state is then as before.
+    /// [`Error::Surface`] if the responses cannot be fitted, [`Error::EveryDesignRefused`]. The state is then as before.
     pub fn ask(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Ask, Error> {
         let trials = self.outstanding();
         if trials.is_empty() && self.due.is_empty() {
@@ -61,7 +74,7 @@ impl Loop {
     /// Those of [`ask`](Self::ask).
     pub fn ask_more(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Ask, Error> {
         if self.batch() >= self.settings.max_batches {
-            return Ok(Ask::Stopped(StopReason::MaxBatches));
+            return Ok(Ask::Stopped(StopReason::BatchLimit));
         }
         match self.turn(simulate)? {
             Next::NotWorthIt => return Ok(Ask::Stopped(StopReason::NotWorthIt)),
@@ -285,7 +298,7 @@ impl Loop {
         responses: impl Into<Responses>,
         source: impl Into<String>,
     ) -> Result<(), Error> {
-        self.check_earlier(point)?;
+        check_earlier(point, self.region())?;
         let Responses { objective, constrained } = responses.into();
         self.check_constrained(&constrained)?;
         let values = constrained.iter().flatten().chain([&objective]);
@@ -310,18 +323,11 @@ impl Loop {
         reason: impl Into<String>,
         source: impl Into<String>,
     ) -> Result<(), Error> {
-        self.check_earlier(point)?;
+        check_earlier(point, self.region())?;
         let outcome = Outcome::Failed { reason: reason.into() };
         let (point, constrained) = (point.to_vec(), Vec::new());
         self.earlier.push(Earlier { point, outcome, constrained, source: source.into() });
         Ok(())
-    }
-
-    fn check_earlier(&self, point: &[f64]) -> Result<(), Error> {
-        match far_setting(point, self.region())? {
-            Some((parameter, value)) => Err(Error::EarlierSetting { parameter, value, expected: NEAR_THE_REGION }),
-            None => Ok(()),
-        }
     }
 
     /// Takes back the [earlier](Self::add_earlier) experiments from this source. How many there were.
@@ -345,10 +351,8 @@ impl Loop {
         if let Some(value) = outcome.cost().filter(|value| value.is_nan() || value.abs() > surface::Data::LARGEST) {
             return Err(Error::NonFiniteOutcome { id, value });
         }
-        if let Some(actual) = &actual
-            && let Some((parameter, actual)) = far_setting(actual, self.region())?
-        {
-            return Err(Error::ActualSettingOf { id, parameter, actual, expected: NEAR_THE_REGION });
+        if let Some(actual) = &actual {
+            check_actual(id, actual, self.region())?;
         }
         let record = &mut self.records[position];
         (record.actual, record.outcome) = (actual, Some(outcome));

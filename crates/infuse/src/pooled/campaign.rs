@@ -74,8 +74,7 @@ impl Loop {
     /// [`Error::DesignSpace`] for 2⁶⁴ designs or more, by levels alone, [`Error::NoDesignAllowed`], [`Error::Surface`] for more factors than a
     /// surface can have, and those of [`Settings::validate`].
     pub fn new(region: &Region, settings: Settings) -> Result<Self, Error> {
-        settings.validate()?;
-        check_plants(&settings, region)?;
+        settings.validate(region)?;
         let mut rng = stream(settings.seed, Purpose::Designs, 0);
         let designs = Designs::of(region, &settings.linear_constraints, &mut rng)?;
         // The surface has a limit, which is said before anything is run.
@@ -105,11 +104,13 @@ impl Loop {
     ///
     /// Those of [`Settings::validate`], [`Error::NoDesignAllowed`]; the settings are then as before.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
-        settings.validate()?;
-        check_plants(&settings, self.region())?;
+        settings.validate(self.region())?;
         if settings.linear_constraints != self.settings.linear_constraints {
             let mut rng = stream(settings.seed, Purpose::Designs, 0);
             self.designs.keep_to(&settings.linear_constraints, &mut rng)?;
+        }
+        if settings.simulations.is_none() {
+            self.due.clear();
         }
         self.settings = settings;
         Ok(())
@@ -155,6 +156,12 @@ impl Loop {
         self.simulated.len()
     }
 
+    /// Cells to simulate before the next batch, where simulations are dear; ascending.
+    #[must_use]
+    pub fn due(&self) -> &[Cell] {
+        &self.due
+    }
+
     /// The trials without an outcome.
     #[must_use]
     pub fn outstanding(&self) -> Vec<Trial> {
@@ -185,24 +192,18 @@ impl Loop {
         self.constrained.get(&id).map_or(&[], Vec::as_slice)
     }
 
+    /// Whether a constrained response was measured or simulated anywhere.
+    #[must_use]
+    pub fn has_constrained(&self) -> bool {
+        let is_there = |values: &[Option<f64>]| !values.is_empty();
+        self.constrained.values().any(|values| is_there(values))
+            || self.earlier.iter().any(|earlier| is_there(&earlier.constrained))
+            || self.simulated.all().any(|(_, responses)| responses.is_some_and(|one| is_there(&one.constrained)))
+    }
+
     /// Whether a cell keeps to the linear constraints, and was not refused.
     #[must_use]
     pub fn allows(&self, cell: Cell) -> bool {
         self.designs.allows(cell) && !self.refused.contains(&cell)
-    }
-}
-
-/// Whether the parameters of the plant are there.
-fn check_plants(settings: &Settings, region: &Region) -> Result<(), Error> {
-    let n = region.n_parameters();
-    let wrong = settings.plants.iter().flat_map(|plants| &plants.parameters).find(|&&parameter| parameter >= n);
-    match wrong {
-        Some(&parameter) => Err(Error::Constraint {
-            constraint: "plants".to_owned(),
-            field: "parameters",
-            value: parameter as f64,
-            expected: "places of parameters in the region, from 0",
-        }),
-        None => Ok(()),
     }
 }

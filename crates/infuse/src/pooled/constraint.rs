@@ -1,5 +1,6 @@
 //! What a design has to keep to: responses within bounds, and settings that do not go together.
 
+use design_space::Region;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -130,11 +131,11 @@ impl LinearConstraint {
         self.excess(point) <= 1e-9 * (size + self.upper.abs())
     }
 
-    pub(crate) fn validate(&self, number: usize, n_parameters: usize) -> Result<(), Error> {
+    pub(crate) fn validate(&self, number: usize, region: &Region) -> Result<(), Error> {
         let constraint = || format!("linear constraint {number}");
         let fault =
             |field, value, expected| Err(Error::Constraint { constraint: constraint(), field, value, expected });
-        if self.coefficients.len() != n_parameters {
+        if self.coefficients.len() != region.n_parameters() {
             return fault("coefficients", self.coefficients.len() as f64, "one per parameter");
         }
         let is_usable = |value: f64| value.abs() <= surface::Data::LARGEST;
@@ -144,11 +145,12 @@ impl LinearConstraint {
         if self.coefficients.iter().all(|coefficient| *coefficient == 0.0) {
             return fault("coefficients", 0.0, "at least one that is not zero");
         }
-        if is_usable(self.upper) {
-            Ok(())
-        } else {
-            fault("upper", self.upper, "a number of at most 1e100 in magnitude")
+        if !is_usable(self.upper) {
+            return fault("upper", self.upper, "a number of at most 1e100 in magnitude");
         }
+        let mut concerned =
+            region.parameters().iter().zip(&self.coefficients).filter(|(_, coefficient)| **coefficient != 0.0);
+        concerned.try_for_each(|(parameter, _)| Ok(parameter.check_number()?))
     }
 }
 

@@ -16,20 +16,21 @@ const FOR_THE_SIMULATION: usize = 3;
 /// Share of the screened cells among which these are spread.
 const PROMISING: f64 = 0.08;
 
-/// `tested` are cells where experiments were made or are waited for: these are asked for again only where there are no others.
+/// `tested` are cells where experiments were made or are waited for: these are asked for again only where there are no others. Those of
+/// them that are `refused` are not.
 pub(crate) fn first_batch(
     designs: &Designs,
     settings: &Settings,
-    tested: &BTreeSet<Cell>,
+    (tested, refused): (&BTreeSet<Cell>, &BTreeSet<Cell>),
     simulated: &mut Simulated,
     source: &mut Source<'_>,
 ) -> Result<Vec<Cell>, Error> {
     let n_experiments = settings.n_experiments;
     let [scramble, _] = scrambles(settings.seed);
     let evenly = |count: usize| {
-        let all = spread(designs, count + tested.len(), scramble);
-        let (new, old): (Vec<Cell>, Vec<Cell>) = all.into_iter().partition(|cell| !tested.contains(cell));
-        new.into_iter().chain(old).take(count).collect::<Vec<Cell>>()
+        let all = spread(designs, count + tested.len(), scramble).into_iter().filter(|cell| !refused.contains(cell));
+        let (new, old): (Vec<Cell>, Vec<Cell>) = all.partition(|cell| !tested.contains(cell));
+        filled(designs, new.into_iter().chain(old).take(count).collect(), count, refused)
     };
     if matches!(source, Source::Nothing) {
         return Ok(on_few_plants(designs, settings, evenly(n_experiments)));
@@ -54,6 +55,16 @@ pub(crate) fn first_batch(
         Some(plants) => plants.gathered(designs, &in_turn(promising, spread_out)),
         None => distinct(designs, [spread_out, promising].concat(), tested),
     })
+}
+
+/// As many cells as are to be run, where so many were refused that fewer are left: others, and then those that are left once more.
+fn filled(designs: &Designs, mut cells: Vec<Cell>, count: usize, refused: &BTreeSet<Cell>) -> Vec<Cell> {
+    if cells.len() < count {
+        let others = designs.cells().filter(|cell| !refused.contains(cell) && !cells.contains(cell));
+        cells.extend(others.take(count - cells.len()).collect::<Vec<Cell>>());
+    }
+    let n_left = cells.len();
+    cells.into_iter().cycle().take(if n_left > 0 { count } else { 0 }).collect()
 }
 
 /// Of a grid with few cells for each experiment none is run twice as long as there is another.

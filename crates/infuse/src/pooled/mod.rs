@@ -26,6 +26,9 @@
 //! The recipe is not from the dissertation. Its sources: Kennedy and O'Hagan (2000) for the factor of the simulation, Murray,
 //! Adams and MacKay (2010) for the sampler of the hyperparameters, Frazier, Powell and Dayanik (2009) for the knowledge gradient.
 //!
+//! A campaign can be saved at any time: [`Loop`] serializes, with all that it was told and has asked for. What it thinks of that follows anew
+//! when it is read; a file that no campaign can have written is refused.
+//!
 //! ```
 //! use design_space::{Cell, Parameter, Region};
 //! use infuse::pooled::{Loop, Settings};
@@ -85,6 +88,7 @@ mod settings;
 mod shared;
 mod simulated;
 mod spread;
+mod state;
 mod streams;
 mod turn;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use design_space::{Cell, Combinations};
+use design_space::{Cell, Combinations, Region};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -43,7 +43,7 @@ impl Plants {
         Self { parameters, change_costs, most: None }
     }
 
-    pub(crate) fn validate(&self) -> Result<(), Error> {
+    pub(crate) fn validate(&self, region: &Region) -> Result<(), Error> {
         let fault =
             |field, value, expected| Err(Error::Constraint { constraint: "plants".to_owned(), field, value, expected });
         if self.parameters.is_empty() {
@@ -52,6 +52,9 @@ impl Plants {
         if let Some(twice) = (1..self.parameters.len()).find(|&at| self.parameters[..at].contains(&self.parameters[at]))
         {
             return fault("parameters", self.parameters[twice] as f64, "each parameter once");
+        }
+        if let Some(&beyond) = self.parameters.iter().find(|&&parameter| parameter >= region.n_parameters()) {
+            return fault("parameters", beyond as f64, "places of parameters in the region, from 0");
         }
         if !self.change_costs.is_empty() && self.change_costs.len() != self.parameters.len() {
             return fault("change_costs", self.change_costs.len() as f64, "one per parameter of the plant, or none");

@@ -1,5 +1,6 @@
 //! The numbers and choices of the pooled loop.
 
+use design_space::Region;
 use serde::{Deserialize, Serialize};
 use surface::process::{SamplerSettings, Structure};
 
@@ -157,12 +158,13 @@ impl Settings {
         }
     }
 
-    /// Whether every setting is usable.
+    /// Whether every setting is usable in this region.
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`], [`Error::SettingCount`], [`Error::Constraint`], [`Error::SecondConstraint`] for two of one name.
-    pub fn validate(&self) -> Result<(), Error> {
+    /// [`Error::Setting`], [`Error::SettingCount`], [`Error::Constraint`], [`Error::SecondConstraint`] for two of one name,
+    /// [`Error::DesignSpace`] for a linear constraint of a choice.
+    pub fn validate(&self, region: &Region) -> Result<(), Error> {
         count("n_experiments", self.n_experiments, 1..=1000, "1 to 1000")?;
         if let Some(simulations) = self.simulations {
             count("simulations", simulations, 2..=10_000, "2 to 10000")?;
@@ -178,7 +180,10 @@ impl Settings {
             }
         }
         if let Some(plants) = &self.plants {
-            plants.validate()?;
+            plants.validate(region)?;
+        }
+        for (index, constraint) in self.linear_constraints.iter().enumerate() {
+            constraint.validate(index + 1, region)?;
         }
         for (name, value) in [("noise", self.noise), ("worth", self.worth)] {
             if let Some(value) = value.filter(|value| !(0.0..=1e100).contains(value)) {
@@ -207,6 +212,7 @@ fn count(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use design_space::Parameter;
 
     #[test]
     fn defaults_are_those_that_the_fields_name() {
@@ -214,17 +220,23 @@ mod tests {
         assert_eq!((settings.n_experiments, settings.max_batches, settings.particles, settings.seed), (7, 10, 18, 1));
         assert!((settings.confidence - 0.9).abs() < 1e-15);
         assert_eq!(settings.structures, Structure::ALL);
-        assert_eq!(settings.validate(), Ok(()));
+        let region = Region::new(vec![Parameter::continuous("x", "mm", 0.0, 1.0).unwrap()]).unwrap();
+        assert_eq!(settings.validate(&region), Ok(()));
         let with = |change: fn(&mut Settings)| {
             let mut settings = Settings::new(7);
             change(&mut settings);
-            settings.validate().is_ok()
+            settings.validate(&region).is_ok()
         };
         assert!(with(|settings| settings.noise = Some(0.0)) && with(|settings| settings.worth = Some(3.0)));
         assert!(with(|settings| settings.least = Some(-3.0)) && !with(|settings| settings.least = Some(f64::NAN)));
         let two = [Constraint::at_most("travel", 1.0), Constraint::at_least("travel", 0.0)];
-        let alike = Settings { constraints: two.to_vec(), ..Settings::new(7) }.validate();
+        let alike = Settings { constraints: two.to_vec(), ..Settings::new(7) }.validate(&region);
         assert_eq!(alike, Err(Error::SecondConstraint { constraint: "travel".into(), n_times: 2 }));
+        assert!(with(|settings| settings.linear_constraints = vec![LinearConstraint::at_most(vec![1.0], 0.5)]));
+        assert!(!with(|settings| settings.linear_constraints = vec![LinearConstraint::at_most(vec![1.0], f64::NAN)]));
+        assert!(!with(|settings| settings.linear_constraints = vec![LinearConstraint::at_most(Vec::new(), 0.5)]));
+        assert!(with(|settings| settings.plants = Some(Plants::at_most(2, vec![0]))));
+        assert!(!with(|settings| settings.plants = Some(Plants::at_most(2, vec![1]))));
         assert!(!with(|settings| settings.noise = Some(-1.0)) && !with(|settings| settings.worth = Some(f64::NAN)));
     }
 }

@@ -87,6 +87,11 @@ impl Simulated {
         })
     }
 
+    /// Each cell that was simulated, ascending, with what it gave.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (Cell, Option<&Responses>)> + '_ {
+        self.responses.iter().map(|(&cell, responses)| (cell, responses.as_ref()))
+    }
+
     pub(crate) fn contains(&self, cell: Cell) -> bool {
         self.responses.contains_key(&cell)
     }

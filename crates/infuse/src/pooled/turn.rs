@@ -39,6 +39,9 @@ impl Loop {
         if self.needs_first_simulations() {
             return Ok(Next::Simulations(self.first_simulations()));
         }
+        if self.is_nothing_left() {
+            return Err(Error::EveryDesignRefused { n_refused: self.refused.len() });
+        }
         let (batch, pending, measurements) = (self.told_batch(), self.pending_cells(), self.measurements()?);
         let settings = &measurements.settings(&self.settings);
         let (designs, simulated) = (&self.designs, &mut self.simulated);
@@ -74,6 +77,12 @@ impl Loop {
         self.settings.simulations.is_some_and(|budget| budget > 0) && self.simulated.len() == 0 && self.due.is_empty()
     }
 
+    /// Whether every design was refused.
+    fn is_nothing_left(&self) -> bool {
+        let n_refused = self.refused.len() as u64;
+        n_refused > 0 && n_refused >= self.designs.n_allowed() && self.designs.cells().all(|cell| !self.allows(cell))
+    }
+
     fn first_simulations(&self) -> Vec<Cell> {
         let mut rng = stream(self.settings.seed, Purpose::Simulations, 0);
         spread(&self.designs, self.settings.simulations.unwrap_or(0), rng.random())
@@ -89,9 +98,9 @@ fn spread_batch(
     simulated: &mut Simulated,
     mut source: Source<'_>,
 ) -> Result<Next, Error> {
-    let Measurements { readings, failed: mut tested, .. } = measurements;
+    let Measurements { readings, failed: mut tested, refused, .. } = measurements;
     tested.extend(readings.iter().map(|reading| reading.cell).chain(pending));
-    let cells = first_batch(designs, settings, &tested, simulated, &mut source)?;
+    let cells = first_batch(designs, settings, (&tested, &refused), simulated, &mut source)?;
     let mut simulations = Vec::new();
     if settings.simulations.is_some() {
         simulations.extend(cells.iter().filter(|&&cell| !simulated.contains(cell)));

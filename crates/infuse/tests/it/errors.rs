@@ -57,7 +57,11 @@ fn rejects_steps_that_cannot_be_made() {
 fn rejects_tolerances_and_move_limits_that_mean_nothing() {
     let tail = "of parameter `p0` is 0.0, expected a positive number";
     check(|s| s.tolerances = Some(vec![0.0, 0.1]), &format!("setting `tolerances` {tail}"));
-    check(|s| s.move_limits = Some(vec![0.0, 0.1]), &format!("setting `move_limits` {tail}"));
+    let above_rounding =
+        |limit: &str| format!("setting `move_limits` of parameter `p0` is {limit}, expected a length above rounding");
+    check(|s| s.move_limits = Some(vec![0.0, 0.1]), &above_rounding("0.0"));
+    check(|s| s.move_limits = Some(vec![1e-30, 0.1]), &above_rounding("1e-30"));
+    check(|s| s.move_limits = Some(vec![f64::INFINITY, 0.1]), &above_rounding("inf"));
     check(
         |s| s.tolerances = Some(vec![0.1, 1e-4]),
         "setting `tolerances` of parameter `p1` is 0.0001, \

@@ -63,13 +63,34 @@ proptest! {
     }
 }
 
+/// A careful campaign is told of experiments from outside, at cells of the batch that is open, and forgets them again: what each trial is used
+/// for was chosen before, and the file is read.
+#[test]
+fn a_careful_campaign_that_was_told_of_earlier_experiments_is_read() {
+    for index in 0..8 {
+        let mut settings = settings(design_space::Model::quadratic(2).unwrap(), 8, 10);
+        (settings.careful, settings.max_batches) = (true, 2);
+        let mut campaign = global::Loop::new(&grid(&[10, 9]), settings).unwrap();
+        let trials = asked(campaign.ask(&mut simulation).unwrap());
+        campaign.add_earlier(&trials[index].point, 1.0, "last year").unwrap();
+        assert_eq!(save(&load(&save(&campaign))), save(&campaign), "{index}: open");
+        trials.iter().for_each(|trial| answer(&mut campaign, trial));
+        assert_eq!(save(&load(&save(&campaign))), save(&campaign), "{index}: closed");
+        for trial in asked(campaign.ask(&mut simulation).unwrap()) {
+            campaign.withdraw_earlier("last year");
+            answer(&mut campaign, &trial);
+            assert_eq!(save(&load(&save(&campaign))), save(&campaign), "{index}: withdrawn");
+        }
+    }
+}
+
 #[test]
 fn the_number_of_threads_changes_no_bit() {
     let campaign = || {
         let (region, mut settings) = planar();
         settings.design_starts = 4;
         settings.max_batches = 3;
-        settings.candidate_limit = 1000;
+        settings.candidate_limit = Some(1000);
         let mut campaign = global::Loop::new(&region, settings).unwrap();
         campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
         save(&campaign)

@@ -20,9 +20,12 @@ fn check_refused(change: impl FnOnce(&mut global::Settings), message: &str) {
 /// 24^4 cells are a list of all; a full quadratic regressor in six parameters has 28 terms.
 #[test]
 fn more_terms_mean_fewer_candidates_by_default() {
-    let limit = |k: usize| global::Settings::new(Model::quadratic(k).unwrap(), 60, 60).candidate_limit;
+    let limit = |k: usize| global::Settings::new(Model::quadratic(k).unwrap(), 60, 60).candidate_limit();
     assert!(limit(2) == 400_000 && limit(4) == 400_000, "up to 15 terms");
     assert!((150_000..165_000).contains(&limit(6)), "{}", limit(6));
+    let settings = global::Settings::new(Model::quadratic(6).unwrap(), 60, 60);
+    let read: global::Settings = serde_json::from_str(&serde_json::to_string(&settings).unwrap()).unwrap();
+    assert_eq!(read.candidate_limit(), limit(6), "from a file that does not name it, too");
 }
 
 #[test]
@@ -38,7 +41,7 @@ fn settings_out_of_range_are_named() {
     check_refused(|settings| settings.confidence = 1.0, "`confidence` is 1.0");
     check_refused(|settings| settings.max_batches = 0, "`max_batches` is 0");
     check_refused(|settings| settings.design_starts = 0, "`design_starts` is 0");
-    check_refused(|settings| settings.candidate_limit = 999, "`candidate_limit` is 999");
+    check_refused(|settings| settings.candidate_limit = Some(999), "`candidate_limit` is 999");
     check_refused(|settings| settings.fallback = SpreadFallback::Given(-1.0), "`fallback` is -1.0");
     check_refused(
         |settings| settings.surfaces.experiment = SurfaceKind::InverseDistance { power: 0.0 },

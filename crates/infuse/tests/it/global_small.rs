@@ -90,7 +90,7 @@ fn grids_of_a_few_cells_run_to_an_end() {
 #[test]
 fn a_large_grid_is_represented_by_a_part_of_it() {
     let mut settings = settings(Model::quadratic(3).unwrap(), 12, 14);
-    settings.candidate_limit = 1000;
+    settings.candidate_limit = Some(1000);
     settings.max_batches = 2;
     let region = grid(&[24, 24, 24]);
     let mut campaign = global::Loop::new(&region, settings).unwrap();

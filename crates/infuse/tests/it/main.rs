@@ -22,6 +22,7 @@ mod mechanisms;
 mod pooled;
 mod pooled_constraints;
 mod pooled_plants;
+mod pooled_saved_state;
 mod problems;
 mod saved_state;
 mod simulators;

@@ -102,6 +102,21 @@ fn with_the_truth_outside_both_together_end_at_the_true_optimum_and_identificati
     assert!(found.p_of_misfit().unwrap() < 1e-3, "the fit says that the model is wrong");
 }
 
+/// A cost that is no number is refused where one is told, as by the other loops; where a rig answers at once it counts as a failure.
+#[test]
+fn a_cost_that_is_no_number_teaches_nothing() {
+    let mut campaign = campaign(Mechanism::Both, settings(0.6, 2), unknowns([-0.4, 0.6]));
+    let Ask::Trials(trials) = campaign.ask(&mut Family).unwrap() else { panic!("it has just begun") };
+    let unusable = |cost: f64| Reading { cost, responses: vec![1.0, 2.0], standard_deviations: vec![0.01; 2] };
+    let refused = campaign.tell(trials[0].id, Ok(unusable(f64::NAN)));
+    assert!(matches!(refused, Err(Error::NonFiniteOutcome { .. })), "{refused:?}");
+    assert_eq!((campaign.measurements().n_experiments(), campaign.measurements().n_failed()), (0, 0), "as before");
+    let mut rig = |trials: &[Trial]| trials.iter().map(|_| Ok(unusable(f64::NAN))).collect();
+    campaign.run(&mut Family, &mut rig).unwrap();
+    let (n_experiments, n_failed) = (campaign.measurements().n_experiments(), campaign.measurements().n_failed());
+    assert!(n_experiments == 0 && n_failed >= trials.len(), "{n_experiments} experiments, {n_failed} failures");
+}
+
 #[test]
 fn the_correction_alone_is_the_gradient_loop_bit_for_bit() {
     let (_, campaign) = designs(Mechanism::ResponseCorrection, settings(0.6, 6), 0.7);

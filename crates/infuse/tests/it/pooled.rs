@@ -55,7 +55,7 @@ fn three_batches_find_the_best_design_of_a_smooth_problem() {
     for seed in 1..=5 {
         let mut campaign = campaign(2, 21, batches(10, 3, seed));
         let stop = campaign.run(&mut simulation, &mut noisy(seed, 0.02, truth)).expect("a campaign that ends");
-        assert_eq!(stop, StopReason::MaxBatches);
+        assert_eq!(stop, StopReason::BatchLimit);
         let found = assessed(&mut campaign);
         let regret = truth(&found.recommended.point);
         assert!(regret < 0.015, "seed {seed}: {regret} above the best at {:?}", found.recommended.point);

@@ -1,7 +1,7 @@
 //! Constraints: responses within bounds, settings that do not go together, choices, designs that nobody can build.
 
 use design_space::{Cell, Parameter, Region};
-use infuse::Outcome;
+use infuse::{Error, Outcome};
 use infuse::pooled::{
     Ask, Assessment, Constraint, LinearConstraint, Loop, Needed, Responses, Settings, Simulate, StopReason, Trial,
 };
@@ -103,7 +103,7 @@ fn a_campaign_that_runs_by_itself_tells_the_constrained_responses_too() {
         } else {
             campaign.run_without_simulation(&mut rig).expect("it ends")
         };
-        assert_eq!(stop, StopReason::MaxBatches);
+        assert_eq!(stop, StopReason::BatchLimit);
         let found = campaign.assess(given(with_simulation, &mut both)).expect("a fit").expect("responses");
         assert_eq!(found, self::campaign(2, 11, with_simulation), "with a simulation: {with_simulation}");
     }
@@ -125,8 +125,8 @@ fn constrained_responses_that_cannot_be_end_a_run() {
     let (ended, outstanding) = run(vec![Some(f64::NAN)]);
     let message = "trial 1: `travel` is NaN, expected a number of at most 1e100 in magnitude";
     assert_eq!((ended, outstanding), (Err(message.into()), 4), "no number");
-    assert_eq!(run(vec![None]), (Ok(StopReason::MaxBatches), 0), "not measured");
-    assert_eq!(run(Vec::new()), (Ok(StopReason::MaxBatches), 0), "left out");
+    assert_eq!(run(vec![None]), (Ok(StopReason::BatchLimit), 0), "not measured");
+    assert_eq!(run(Vec::new()), (Ok(StopReason::BatchLimit), 0), "left out");
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn linear_constraints_that_cannot_be_are_refused() {
     let mut both = Constraint::at_most("travel", 1.0);
     both.lower = Some(2.0);
     settings.constraints = vec![both];
-    let refused = settings.validate().expect_err("upside down").to_string();
+    let refused = settings.validate(&square(11)).expect_err("upside down").to_string();
     assert!(refused.contains("`travel`") && refused.contains("above the lower one"), "{refused}");
     settings.constraints = ["force", "travel", "force"].map(|name| Constraint::at_most(name, 1.0)).to_vec();
     let refused = Loop::new(&square(11), settings).map(|_| ()).expect_err("nobody can tell them apart").to_string();
@@ -323,6 +323,44 @@ fn choices_are_refused_where_only_numbers_will_do() {
     let settings = infuse::global::Settings::new(model, 4, 8);
     let refused = infuse::global::Loop::new(&region, settings).map(|_| ()).expect_err("a choice").to_string();
     assert!(refused.contains("`material` is a choice"), "{refused}");
+}
+
+#[test]
+fn what_is_no_choice_was_not_made() {
+    let region = Region::new(vec![
+        Parameter::categorical("material", ["foam", "film", "wood"]).expect("a choice"),
+        Parameter::continuous("a", "", 0.0, 1.0).expect("a parameter"),
+    ]);
+    let mut campaign = Loop::new(&region.expect("a region"), Settings::new(4)).expect("a campaign");
+    for place in [3.0, 0.5, -1.0, f64::NAN] {
+        let refused = campaign.add_earlier(&[place, 0.5], 1.0, "before").map(|()| place);
+        assert!(matches!(refused, Err(Error::EarlierSetting { .. } | Error::DesignSpace(_))), "{refused:?}");
+    }
+    campaign.add_earlier(&[2.0, 1.4], 1.0, "before").expect("wood, and somewhat outside");
+    let Ask::Run { trials, .. } = campaign.ask(None).expect("a batch") else { panic!("it has just begun") };
+    let refused = campaign.tell_at(trials[0].id, &[2.9, 0.5], Outcome::Value(1.0)).map_err(|error| error.to_string());
+    let expected =
+        "the actual setting of parameter `material` is 2.9, expected the place of one of its choices, from 0";
+    assert!(refused.as_ref().is_err_and(|error| error.contains(expected)), "{refused:?}");
+}
+
+/// Of three designs two can be built: these are run again. Where none is left, that is said.
+#[test]
+fn of_few_designs_none_that_was_refused_is_asked_for() {
+    let line = Parameter::continuous("a", "", 0.0, 1.0).and_then(|p| p.with_levels(3)).expect("a parameter");
+    let region = Region::new(vec![line]).expect("a region");
+    for seed in 1..=20 {
+        let mut settings = Settings::new(5);
+        settings.seed = seed;
+        let mut campaign = Loop::new(&region, settings).expect("a campaign");
+        campaign.refuse(Cell::new(1)).expect("a cell");
+        let Ask::Run { trials, .. } = campaign.ask(None).expect("a batch") else { panic!("it has just begun") };
+        let cells: Vec<u64> = trials.iter().map(|trial| trial.cell.index()).collect();
+        assert!(cells.len() == 5 && !cells.contains(&1) && cells.contains(&0) && cells.contains(&2), "{cells:?}");
+    }
+    let mut campaign = Loop::new(&region, Settings::new(5)).expect("a campaign");
+    (0..3).for_each(|cell| campaign.refuse(Cell::new(cell)).expect("a cell"));
+    assert_eq!(campaign.ask(None), Err(Error::EveryDesignRefused { n_refused: 3 }));
 }
 
 #[test]

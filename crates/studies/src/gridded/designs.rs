@@ -139,6 +139,7 @@ fn key(campaign: &global::Loop) -> Result<String> {
     let mut settings = serde_json::to_value(campaign.settings())?;
     if let Some(settings) = settings.as_object_mut() {
         WITHOUT_INFLUENCE.iter().for_each(|name| drop(settings.remove(*name)));
+        settings.insert("candidate_limit".to_owned(), campaign.settings().candidate_limit().into());
     }
     let mut left = Vec::new();
     campaign.retained().cells().for_each(|cell| left.extend_from_slice(&cell.index().to_le_bytes()));
@@ -184,6 +185,6 @@ mod tests {
         assert_eq!(base, key_with(&|settings| settings.max_batches = 3));
         assert_ne!(base, key_with(&|settings| settings.seed = 2));
         assert_ne!(base, key_with(&|settings| settings.n_experiments = 13));
-        assert_ne!(base, key_with(&|settings| settings.candidate_limit = 1000));
+        assert_ne!(base, key_with(&|settings| settings.candidate_limit = Some(1000)));
     }
 }
