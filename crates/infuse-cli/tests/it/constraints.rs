@@ -94,6 +94,8 @@ fn a_constraint_whose_sensor_drifts_is_said_to_and_allowed_for() {
     assert_eq!((&of_travel["is_sure"], &of_cost["is_sure"]), (&json!(true), &json!(false)), "{json}");
     let by = |at: usize| of_travel["shifts"][at]["by"].as_f64().unwrap();
     assert!((by(1) - by(2) - 3.0).abs() < 0.5, "{of_travel}");
+    assert!(status.contains("That is taken in: they share an error of 1."), "{status}");
+    assert!(json["shared_error_of_a_batch"].is_null(), "that of the cost shares none: {json}");
     rig.edit("[loop]", "[loop]\nblocks = true");
     let status = rig.infuse(&["status"]).ok();
     assert!(!status.contains("read alike") && status.contains("travel: 1."), "what its readings share: {status}");

@@ -189,26 +189,36 @@ fn a_campaign_may_end_by_what_the_surface_alone_says() {
     assert!(error.contains("`by` belongs to `method` = \"pooled\""), "{error}");
 }
 
-/// What is measured is higher in the second batch and lower in the third, by far more than the noise.
+/// What is measured is higher in the second batch and lower in the third, by far more than the noise: that is said and taken in, unless the
+/// file forbids it.
 #[test]
-fn a_rig_that_drifts_is_said_and_allowed_for() {
+fn a_rig_that_drifts_is_said_and_taken_in() {
     let rig = rig("");
     for shift in [0.0, 12.0, -12.0] {
         assert!(batch(&rig, |a, b, id| Ok(50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id) + shift)));
     }
     let status = rig.infuse(&["status"]).ok();
     let said = "Careful: runs of one batch, or of one source, read alike, beyond what their settings explain: batch 1 ";
-    assert!(status.contains(said) && status.contains("`blocks = true` in [loop] allows for it"), "{status}");
+    assert!(status.contains(said) && status.contains("That is taken in: they share an error of"), "{status}");
     let json = rig.status();
     assert_eq!(json["drift"]["is_sure"], true, "{json}");
-    let by = |at: usize| json["drift"]["shifts"][at]["by"].as_f64().unwrap();
-    assert!(by(1) - by(0) > 6.0 && by(0) - by(2) > 6.0, "{}", json["drift"]);
-    rig.edit("[loop]", "[loop]\nblocks = true");
+    let by = |json: &serde_json::Value, at: usize| json["shifts"][at]["by"].as_f64().unwrap();
+    let are_far = |json: &serde_json::Value| by(json, 1) - by(json, 0) > 6.0 && by(json, 0) - by(json, 2) > 6.0;
+    assert!(are_far(&json) && json["shared_error_of_a_batch"].as_f64().unwrap() > 4.0, "{json}");
+    rig.edit("[loop]", "[loop]\nblocks = false");
+    let json = rig.status();
+    assert!(json["drift"]["is_sure"] == true && json["shared_error_of_a_batch"].is_null(), "{json}");
+    assert_eq!(json["shifts"], serde_json::json!([]), "{json}");
+    let status = rig.infuse(&["status"]).ok();
+    assert!(status.contains(said) && status.contains("`blocks = false` in [loop] leaves it so"), "{status}");
+    rig.edit("blocks = false", "blocks = true");
     let json = rig.status();
     assert!(json["drift"].is_null() && json["shared_error_of_a_batch"].as_f64().unwrap() > 4.0, "{json}");
+    assert!(are_far(&json), "{json}");
     let status = rig.infuse(&["status"]).ok();
     assert!(
         status.contains("share an error, as `blocks` in [loop] says")
+            && status.contains("In the mean batch 1 ")
             && !status.contains("read alike")
             && status.contains("is the mean over batches"),
         "{status}"
