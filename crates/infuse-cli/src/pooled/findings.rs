@@ -660,10 +660,14 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         }
         (None, n) if campaign.repeats().is_some_and(|repeats| repeats.variance <= 0.0) => {
             let differ = if n == 1 { "the one repeat does not" } else { &*format!("the {n} repeats do not") };
-            let taken = if found.is_exact { " Until one does, it is taken for none." } else { "" };
-            format!(
-                "Noise of one run: about {deviation} by the surface; it is not known, {differ} differ at all.{taken}"
-            )
+            match found.is_exact {
+                true => format!(
+                    "Noise of one run: taken for none, as {differ} differ at all, until one does. If that may be chance, give `noise` in [loop]."
+                ),
+                false => format!(
+                    "Noise of one run: about {deviation} by the surface; it is not known, {differ} differ at all."
+                ),
+            }
         }
         (None, n) if n < ENOUGH_REPEATS => {
             let few = if n == 1 { "one repeat is" } else { &*format!("{n} repeats are") };
