@@ -10,7 +10,7 @@ use super::output::Output;
 use super::undo::{in_words, told};
 use crate::campaign::{Campaign, Stage, changes};
 use crate::echo::echo;
-use crate::findings::displaced_by;
+use crate::findings::{by_the_surface_alone, displaced_by};
 use crate::folder;
 use crate::journal::{Assessed, Deed, Event, Journal, Last, Learned, Measured, Submitted, Told};
 use crate::number::{count, percent, short, with_unit};
@@ -165,6 +165,12 @@ fn begun(campaign: &dyn Campaign) -> String {
     )
 }
 
+/// ", by the surface alone by more than 0.2 mm", where that was written down and is less.
+fn alone(response: &Response, bound: f64, alone: Option<f64>) -> String {
+    let alone = alone.and_then(|alone| by_the_surface_alone(response, bound, alone));
+    alone.map_or_else(String::new, |alone| format!(", by the surface alone by {alone}"))
+}
+
 fn changed(then: &Value, now: &Value) -> String {
     changes(&by_key(then), &by_key(now)).join("; ")
 }
@@ -226,10 +232,11 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
                 "learned",
                 match found.bound {
                     Some(bound) => format!(
-                        "after batch {}: {at} is best, with {expected}; with {} probability none is better by more than {}.",
+                        "after batch {}: {at} is best, with {expected}; with {} probability none is better by more than {}{}.",
                         found.batch,
                         percent(found.probability),
-                        response.amount(bound)
+                        response.amount(bound),
+                        alone(response, bound, found.alone)
                     ),
                     None => format!(
                         "after batch {}: {at} is best, with {expected}; by how much others may be better cannot be said yet.",

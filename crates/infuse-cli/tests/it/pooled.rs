@@ -264,7 +264,7 @@ fn two_designs_or_one_that_is_left_are_enough() {
         }
         assert_eq!(best(&rig), expected);
         let text = rig.infuse(&["status"]).ok();
-        assert!(text.contains("By the surface, no other design may still be the best."), "{text}");
+        assert!(text.contains("By the surface alone, no other design may still be the best."), "{text}");
     }
 }
 
