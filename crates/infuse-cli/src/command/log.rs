@@ -79,8 +79,14 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
             let is_taken_back = journal.taken_back.contains(line);
             entries.push(Entry { line: *line, at: at.to_owned(), what, sentence, is_taken_back });
         };
+        if let Some(now) = settings_of(event)
+            && let Some(then) = settings.replace(now).filter(|then| *then != now)
+        {
+            add("changed", format!("campaign.toml: {}.", changed(then, now)));
+        }
         match event {
             Event::Campaign { problem, .. } => {
+                settings = None;
                 match core.replace(problem) {
                     None => add("begun", begun(campaign)),
                     Some(then) => {
@@ -89,10 +95,7 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
                 }
                 continue;
             }
-            Event::Assessed(Assessed { settings: now, by, .. }) => {
-                if let Some(then) = settings.replace(now).filter(|then| *then != now) {
-                    add("changed", format!("campaign.toml: {}.", changed(then, now)));
-                }
+            Event::Assessed(Assessed { by, .. }) => {
                 if let Some(sentence) = by.as_ref().and_then(|by| another(&mut simulator, by)) {
                     add("changed", sentence);
                 }
@@ -128,6 +131,15 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
         }
     }
     entries
+}
+
+/// The settings of the loop with which a batch was asked for, or was complete.
+fn settings_of(event: &Event) -> Option<&Value> {
+    match event {
+        Event::Planned { settings, .. } => settings.as_ref(),
+        Event::Assessed(found) => Some(&found.settings),
+        _ => None,
+    }
 }
 
 /// What is said where this simulator is another than the last.

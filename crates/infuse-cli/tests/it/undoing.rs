@@ -206,3 +206,21 @@ fn the_log_says_what_happened_in_order() {
     assert!(text.contains("`batches` was 6 and is 2"), "by the keys of the file: {text}");
     assert!(text.trim_end().lines().last().unwrap().contains("stopped    all 2 batches"), "{text}");
 }
+
+/// Each setting that a batch was asked for with is there, however many are asked for before the first is complete.
+#[test]
+fn the_log_has_what_was_changed_before_a_batch_was_complete() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    for (then, now) in [(10, 8), (8, 6)] {
+        rig.edit(&format!("experiments = {then}"), &format!("experiments = {now}"));
+        rig.infuse(&["ask", "--more"]).ok();
+    }
+    for batch in 1..=3 {
+        tell(&rig, batch);
+    }
+    let text = rig.infuse(&["log"]).ok();
+    let changed = text.lines().filter(|line| line.contains("changed    campaign.toml: "));
+    let changed: Vec<&str> = changed.filter_map(|line| line.split_once("toml: ")).map(|(_, what)| what).collect();
+    assert_eq!(changed, ["`experiments` was 10 and is 8.", "`experiments` was 8 and is 6."], "{text}");
+}
