@@ -15,6 +15,7 @@ mod run;
 mod serve;
 mod settings;
 mod status;
+mod taken_back;
 mod taken_over;
 mod tell;
 mod undo;
