@@ -280,13 +280,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         (Some(true), _) if !found.smooth_refuted => {
             format!(", without narrow {}s as `smooth` says", response.well())
         }
-        (_, Some(share)) => {
-            format!(
-                ", without a {} of less than {} of all designs that no run has met",
-                response.well(),
-                percent(share)
-            )
-        }
+        (_, Some(_)) => format!(", without a {} that no run has met", response.well()),
         _ => String::new(),
     };
     let rests = match found.forecast.of_means {
@@ -328,10 +322,9 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                     format!("{that} is no more than {of_worth}, but a measurement speaks against it: go on.")
                 }
                 (true, _) => match may_be_unseen {
-                    Some(share) => format!(
-                        "{that} is no more than {of_worth}: stop, unless a {} of less than {} of all designs may be there.",
-                        response.well(),
-                        percent(share)
+                    Some(_) => format!(
+                        "{that} is no more than {of_worth}: stop, unless such a {} may be there.",
+                        response.well()
                     ),
                     None => format!("{that} is no more than {of_worth}: stop."),
                 },
@@ -453,10 +446,10 @@ fn even_more(campaign: &Campaign, found: &Assessment) -> String {
     let (response, forecast) = (&campaign.problem.response, Forecast { most: None, ..found.forecast });
     let Some(enough) = forecast.reserves_until() else { return String::new() };
     format!(
-        " Even more than that is held for a narrow {} that no run may have met, until {enough} designs were run ({}){}.",
+        " Even more is held for a narrow {} that no run may have met, until {enough} designs were run ({}){}.",
         response.well(),
         so_far(&forecast),
-        if found.smooth_refuted { "" } else { ", or `smooth` in [stop] says that there surely is none" }
+        if found.smooth_refuted { "" } else { ", or `smooth` in [stop] says that there is none" }
     )
 }
 
@@ -465,7 +458,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
     let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, found.certificate);
     if let (true, Some(least)) = (found.forecast.is_for_the_least(), response.least()) {
         let sentence = format!(
-            "More is not to be had: that is what is left {} to {}, the best value that [response] allows, from as far off as the \
+            "More is not to be had: that is what is left {} to {}, the best that [response] allows, from as far off as the \
              recommended design may be.{}",
             response.better_way(),
             response.value_to(least, 0.0),
@@ -594,8 +587,7 @@ fn worth_in_words(worth: SimulationWorth, scale: Scale) -> String {
     match (is_little, is_left_out) {
         (true, true) => sentence.push_str(", and hardly used: what is recommended rests on the experiments"),
         (false, true) => sentence.push_str(
-            ". All the same it is hardly used: by now a surface through the experiments alone predicts them at least as well, so what \
-             is recommended rests on the experiments",
+            ", but is hardly used: by now a surface through the experiments alone predicts them at least as well",
         ),
         (_, false) => {
             let (shown, give_or_take) = (short(factor), short(half));
@@ -857,8 +849,8 @@ mod tests {
         };
         assert_eq!(
             said(0.81, 0.95),
-            "The simulation explains 81 % of the variance of what was measured. All the same it is hardly used: by now a surface through \
-             the experiments alone predicts them at least as well, so what is recommended rests on the experiments."
+            "The simulation explains 81 % of the variance of what was measured, but is hardly used: by now a surface through \
+             the experiments alone predicts them at least as well."
         );
         let inverted = |ignored: f64, factor: f64, factor_deviation: f64| {
             let worth = SimulationWorth { explained: 0.8, is_inverted: true, ignored, factor, factor_deviation };
