@@ -94,13 +94,14 @@ pub(crate) enum Command {
     /// Take experiments that were made before the campaign, with where they come from
     ///
     /// They count as much as those of the campaign itself. The file has one column per parameter and one for the response,
-    /// headed like those of a sheet, and may have one headed `source`.
+    /// headed like those of a sheet, and may have one headed `source`, which then says it for each row.
     Import {
         /// The table, or the folder of another campaign of the same rig, with other bounds or levels, say
         #[arg(required_unless_present = "withdraw")]
         file: Option<PathBuf>,
-        /// Where these experiments come from: a notebook, a report, a date
-        #[arg(long, required_unless_present = "withdraw")]
+        /// Where these experiments come from: a notebook, a report, a date; of a table with a column `source` it stands before
+        /// what that says, and may be left out
+        #[arg(long)]
         source: Option<String>,
         /// From now on use nothing more that was imported from this source, as the journal has it
         #[arg(long, value_name = "SOURCE", conflicts_with_all = ["file", "source"])]

@@ -8,10 +8,11 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
+use super::taken_back::still_in_the_sheet;
 use crate::campaign::{Campaign, Stage, Wish};
 use crate::findings::{after_the_end, ended, handed_out};
 use crate::folder;
-use crate::journal::{Event, now};
+use crate::journal::{Event, Journal, now};
 use crate::number::count;
 use crate::problem::PROBLEM;
 use crate::sheet;
@@ -49,7 +50,7 @@ pub(super) fn waiting(
     campaign: &dyn Campaign,
     sheet: Option<&Path>,
     n_simulated: usize,
-    notices: Vec<String>,
+    mut notices: Vec<String>,
 ) -> Result<Output> {
     let (problem, experiments) = (campaign.problem(), campaign.experiments());
     let batch = experiments.last_batch().context("no experiment was handed out")?;
@@ -61,6 +62,7 @@ pub(super) fn waiting(
     } else {
         sheet::check_same(&path, problem, &trials)
             .with_context(|| format!("batch {batch} is chosen and written down, but has no sheet yet"))?;
+        notices.extend(still_in_the_sheet(campaign, &Journal::read(campaign.folder())?, &path));
     }
     let findings = handed_out(campaign, batch, &path, is_new, n_simulated);
     let rows = trials.iter().enumerate().map(|(index, (trial, repeats))| {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use design_space::{Parameter, Region};
 use page::Finding;
 use serde_json::json;
@@ -17,18 +17,23 @@ use crate::journal::{Event, now};
 use crate::number::{plain, with_unit};
 use crate::sheet;
 
-pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -> Result<Output> {
-    ensure!(!source.trim().is_empty(), "--source is empty, expected where these experiments come from");
+pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: Option<&str>) -> Result<Output> {
+    let is_empty = source.is_some_and(|source| source.trim().is_empty());
+    ensure!(!is_empty, "--source is empty, expected where these experiments come from");
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let notices = campaign.take_notices();
-    let TakenOver { found, n_left_out } = match file.is_dir() {
-        true => of_campaign(file, folder, campaign.problem())?,
-        false => TakenOver { found: sheet::imported(file, campaign.problem())?, n_left_out: 0 },
+    let TakenOver { found, n_left_out } = match (file.is_dir(), source) {
+        (true, None) => bail!(
+            "{} is a folder: --source is missing, expected a name for the campaign that its experiments come from",
+            file.display()
+        ),
+        (true, Some(_)) => of_campaign(file, folder, campaign.problem())?,
+        (false, _) => TakenOver { found: sheet::imported(file, campaign.problem(), source)?, n_left_out: 0 },
     };
     let in_use = campaign.imported();
     let is_known = |one: &&sheet::Imported| alike(&in_use, one).any(|earlier| earlier.source == source_of(one, source));
     if let Some(known) = found.iter().find(is_known) {
-        anyhow::bail!(
+        bail!(
             "{}: {} with {} is in the journal already, from the same source; nothing was taken",
             file.display(),
             campaign.problem().describe(&known.point),
@@ -74,7 +79,7 @@ fn left_out(n: usize) -> Option<Finding> {
 }
 
 /// That settings lie somewhat outside of the bounds; those that lie far outside are refused with the table.
-fn beyond_the_region(found: &[sheet::Imported], region: &Region, source: &str) -> Option<Finding> {
+fn beyond_the_region(found: &[sheet::Imported], region: &Region, source: Option<&str>) -> Option<Finding> {
     let is_beyond = |(parameter, value): &(&Parameter, &f64)| {
         parameter.choices().is_none() && !(parameter.lower()..=parameter.upper()).contains(*value)
     };
@@ -119,6 +124,11 @@ fn alike<'a>(in_use: &'a [Imported], one: &'a sheet::Imported) -> impl Iterator<
     in_use.iter().filter(|earlier| earlier.is_alike(&one.point, &one.result, &one.constrained))
 }
 
-fn source_of(one: &sheet::Imported, source: &str) -> String {
-    if one.source.is_empty() { source.to_owned() } else { format!("{source}: {}", one.source) }
+/// The name of all rows, and then that of the row itself: one of them is there.
+fn source_of(one: &sheet::Imported, source: Option<&str>) -> String {
+    match source {
+        Some(source) if one.source.is_empty() => source.to_owned(),
+        Some(source) => format!("{source}: {}", one.source),
+        None => one.source.clone(),
+    }
 }

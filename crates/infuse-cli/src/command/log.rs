@@ -10,7 +10,7 @@ use super::output::Output;
 use super::undo::{in_words, told};
 use crate::campaign::{Campaign, Stage, changes};
 use crate::echo::echo;
-use crate::findings::displaced_by;
+use crate::findings::{by_the_surface_alone, displaced_by};
 use crate::folder;
 use crate::journal::{Assessed, Deed, Event, Journal, Last, Learned, Measured, Submitted, Told};
 use crate::number::{count, percent, short, with_unit};
@@ -79,8 +79,14 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
             let is_taken_back = journal.taken_back.contains(line);
             entries.push(Entry { line: *line, at: at.to_owned(), what, sentence, is_taken_back });
         };
+        if let Some(now) = settings_of(event)
+            && let Some(then) = settings.replace(now).filter(|then| *then != now)
+        {
+            add("changed", format!("campaign.toml: {}.", changed(then, now)));
+        }
         match event {
             Event::Campaign { problem, .. } => {
+                settings = None;
                 match core.replace(problem) {
                     None => add("begun", begun(campaign)),
                     Some(then) => {
@@ -89,10 +95,7 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
                 }
                 continue;
             }
-            Event::Assessed(Assessed { settings: now, by, .. }) => {
-                if let Some(then) = settings.replace(now).filter(|then| *then != now) {
-                    add("changed", format!("campaign.toml: {}.", changed(then, now)));
-                }
+            Event::Assessed(Assessed { by, .. }) => {
                 if let Some(sentence) = by.as_ref().and_then(|by| another(&mut simulator, by)) {
                     add("changed", sentence);
                 }
@@ -130,6 +133,15 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
     entries
 }
 
+/// The settings of the loop with which a batch was asked for, or was complete.
+fn settings_of(event: &Event) -> Option<&Value> {
+    match event {
+        Event::Planned { settings, .. } => settings.as_ref(),
+        Event::Assessed(found) => Some(&found.settings),
+        _ => None,
+    }
+}
+
 /// What is said where this simulator is another than the last.
 fn another<'a>(simulator: &mut Option<&'a str>, by: &'a str) -> Option<String> {
     let in_words = |by: &str| if by.is_empty() { "not there".to_owned() } else { echo(by) };
@@ -163,6 +175,12 @@ fn begun(campaign: &dyn Campaign) -> String {
         problem.response.better(),
         problem.response.name
     )
+}
+
+/// ", by the surface alone by more than 0.2 mm", where that was written down and is less.
+fn alone(response: &Response, bound: f64, alone: Option<f64>) -> String {
+    let alone = alone.and_then(|alone| by_the_surface_alone(response, bound, alone));
+    alone.map_or_else(String::new, |alone| format!(", by the surface alone by {alone}"))
 }
 
 fn changed(then: &Value, now: &Value) -> String {
@@ -226,10 +244,11 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
                 "learned",
                 match found.bound {
                     Some(bound) => format!(
-                        "after batch {}: {at} is best, with {expected}; with {} probability none is better by more than {}.",
+                        "after batch {}: {at} is best, with {expected}; with {} probability none is better by more than {}{}.",
                         found.batch,
                         percent(found.probability),
-                        response.amount(bound)
+                        response.amount(bound),
+                        alone(response, bound, found.alone)
                     ),
                     None => format!(
                         "after batch {}: {at} is best, with {expected}; by how much others may be better cannot be said yet.",

@@ -15,6 +15,7 @@ mod run;
 mod serve;
 mod settings;
 mod status;
+mod taken_back;
 mod taken_over;
 mod tell;
 mod undo;
@@ -48,8 +49,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         Command::Tell(tell) => tell::tell(folder, wait, tell),
         Command::Import { withdraw: Some(source), .. } => import::withdraw(folder, wait, source),
         Command::Import { file, source, .. } => {
-            let source = source.as_deref().unwrap_or_default();
-            import::import(folder, wait, file.as_deref().context("expected a table")?, source)
+            import::import(folder, wait, file.as_deref().context("expected a table")?, source.as_deref())
         }
         Command::Status { why } => status::status(folder, why.as_deref()),
         Command::Report { output } => report::report(folder, output.as_deref()),

@@ -9,6 +9,7 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
+use super::taken_back::{of_experiments, still_in_the_sheet};
 use crate::campaign::Campaign;
 use crate::echo::echo;
 use crate::findings::next;
@@ -36,6 +37,7 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
     let mut notices = after.take_notices();
     notices.extend(sheet_left(&*campaign, &last));
     notices.extend(runs_left(&*campaign, &last));
+    notices.extend(still_in_sheets(&*after, &Journal::read(folder)?));
     let sentence = format!("Taken back: {}.", in_words(&last));
     let findings = [
         Finding::new(sentence).with("lines taken back", last.events.len() as f64, "1"),
@@ -64,6 +66,13 @@ fn sheet_left(campaign: &dyn Campaign, last: &Last) -> Option<String> {
     let path = sheet_path(campaign.folder(), campaign.problem().sheets, batch, None);
     path.exists()
         .then(|| format!("{} belongs to what was taken back: move or remove it before the next ask", path.display()))
+}
+
+/// The sheets of open batches are a person's, too, and what they hold would be told again.
+fn still_in_sheets(after: &dyn Campaign, journal: &Journal) -> Vec<String> {
+    let open = after.experiments().open_batches().into_iter();
+    let sheets = open.map(|batch| sheet_path(after.folder(), after.problem().sheets, batch, None));
+    sheets.filter_map(|sheet| still_in_the_sheet(after, journal, &sheet)).collect()
 }
 
 fn runs_left(campaign: &dyn Campaign, last: &Last) -> Option<String> {
@@ -113,17 +122,11 @@ pub(super) fn told<'a>(told: impl Iterator<Item = &'a Told>) -> String {
     let n_failed = told.iter().filter(|told| matches!(told.result, Measured::Failed(_))).count();
     let n_corrected = told.iter().filter(|told| told.corrects).count();
     let from = told.first().map_or("", |told| &*told.from);
-    let mut ids: Vec<String> = told.iter().map(|told| told.id.to_string()).collect();
-    if ids.len() > 12 {
-        ids.truncate(12);
-        ids.push("...".to_owned());
-    }
     let more = |n: usize, word: &str| if n > 0 { format!(", {n} {word}") } else { String::new() };
     format!(
-        "{} from {from} (of {} {}{}{})",
+        "{} from {from} (of {}{}{})",
         count(told.len(), "result"),
-        if told.len() == 1 { "experiment" } else { "experiments" },
-        ids.join(", "),
+        of_experiments(told.iter().map(|told| told.id)),
         more(n_failed, "without a value"),
         more(n_corrected, "in the place of an earlier one")
     )

@@ -199,6 +199,8 @@ impl Campaign {
             simulations: plan.simulations,
             purpose: None,
             reasons: Vec::new(),
+            // They stand once there is a result.
+            settings: None,
         };
         Ok(plan.map(event))
     }

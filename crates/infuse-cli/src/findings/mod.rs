@@ -1,6 +1,7 @@
 //! What commands say whatever the method of a campaign, in sentences with their numbers: they are printed, and the page shows
 //! them.
 
+mod alone;
 mod batch;
 mod bounds;
 mod displacement;
@@ -8,6 +9,7 @@ mod next;
 mod standing;
 mod taken;
 
+pub(crate) use alone::{MUCH_IS_HELD, by_the_surface_alone};
 pub(crate) use batch::handed_out;
 pub(crate) use bounds::on_bounds;
 pub(crate) use displacement::{displaced_by, give_or_take};

@@ -37,6 +37,9 @@ pub(crate) enum Event {
         /// Why the loop asks for each experiment, in the same order.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         reasons: Vec<Reason>,
+        /// The settings of the loop at that time; journals of an earlier version have none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        settings: Option<Value>,
     },
     /// A simulation was run, or looked up.
     Simulated {

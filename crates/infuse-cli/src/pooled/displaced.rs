@@ -120,8 +120,8 @@ fn taken(campaign: &Campaign, found: &Assessment, told: &Registration, all: &[Al
         }
     });
     format!(
-        "It is displaced: what is measured at {here}, it says of {there}: {}{}.{explained} Of {} of the designs that is beyond the bounds: there \
-         it tells little or nothing, and experiments have to. Is a parameter of the model, or the zero of a sensor, off by as much? Where the \
+        "It is displaced: what is measured at {here}, it says of {there}: {}{}.{explained} For {} of the designs that is beyond the bounds, where \
+         experiments have to tell. Is a parameter of the model, or the zero of a sensor, off by as much? Where the \
          response is one smooth bowl, a slope that the simulation lacks looks the same.",
         named(campaign, told),
         in_place(campaign, told),

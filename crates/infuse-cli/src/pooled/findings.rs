@@ -15,7 +15,7 @@ use super::failures::{FailedSimulations, where_runs_fail};
 use super::given_noise::contradiction;
 use super::risen::risen;
 use super::warnings::{all_equal, suspects, warnings};
-use crate::findings::{WITHOUT_RESERVE, on_bounds};
+use crate::findings::{MUCH_IS_HELD, WITHOUT_RESERVE, by_the_surface_alone, on_bounds};
 use crate::number::{count, grouped, percent, plain, short};
 use crate::problem::{Problem, Scale};
 
@@ -269,8 +269,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         let sentence = "By how much another design may be better cannot be said. All results are equal: whether to go on, they cannot tell.";
         return Finding::new(sentence);
     }
-    let alone = by_the_surface_alone(campaign, found)
-        .map_or_else(String::new, |alone| format!("; by the surface alone, by {alone}"));
+    let alone = alone(campaign, found).map_or_else(String::new, |alone| format!("; by the surface alone, by {alone}"));
     let sentence = format!("With {}{alone}.", none_better(&campaign.problem, certificate));
     let simulation = match campaign.problem.simulator.is_there() {
         true => " on the simulation as far as these agree with it,",
@@ -281,13 +280,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         (Some(true), _) if !found.smooth_refuted => {
             format!(", without narrow {}s as `smooth` says", response.well())
         }
-        (_, Some(share)) => {
-            format!(
-                ", without a {} of less than {} of all designs that no run has met",
-                response.well(),
-                percent(share)
-            )
-        }
+        (_, Some(_)) => format!(", without a {} that no run has met", response.well()),
         _ => String::new(),
     };
     let rests = match found.forecast.of_means {
@@ -329,10 +322,9 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                     format!("{that} is no more than {of_worth}, but a measurement speaks against it: go on.")
                 }
                 (true, _) => match may_be_unseen {
-                    Some(share) => format!(
-                        "{that} is no more than {of_worth}: stop, unless a {} of less than {} of all designs may be there.",
-                        response.well(),
-                        percent(share)
+                    Some(_) => format!(
+                        "{that} is no more than {of_worth}: stop, unless such a {} may be there.",
+                        response.well()
                     ),
                     None => format!("{that} is no more than {of_worth}: stop."),
                 },
@@ -371,7 +363,7 @@ fn what_stops(campaign: &Campaign, alone: &str) -> &'static str {
     match (campaign.settings.stop_by, alone.is_empty()) {
         (_, true) => "That",
         (StopBy::Bound, false) => "The bound",
-        _ => "What the surface alone says, by which `by` in [stop] stops,",
+        _ => "By the surface alone, by which `by` in [stop] stops, it",
     }
 }
 
@@ -390,7 +382,7 @@ fn may_end_now(campaign: &Campaign, found: &Assessment, worth: f64) -> Option<Fi
              under [stop], and it may end now; {by_the_surface} ends it at the risk that there is one."
         ),
         (false, true) => format!(
-            "By what the surface alone says it may end now: {by_the_surface} does so, at the risk of what so few results may not have shown."
+            "By the surface alone it may end now: {by_the_surface} does so, at the risk of what so few results may not have shown."
         ),
         (false, false) => return None,
     };
@@ -428,16 +420,10 @@ fn excepted(campaign: &Campaign, found: &Assessment) -> Option<f64> {
 
 /// From this share of what runs of a plant share on it is said that it may be the plants' own.
 const MUCH_IS_OWN: f64 = 0.3;
-/// From this share of the bound on it is said that it is not the surface's.
-const MUCH_IS_HELD: f64 = 0.2;
-
-/// "more than 0.2 mm": what would be promised, were the surface believed as it is; none where that is hardly less.
-fn by_the_surface_alone(campaign: &Campaign, found: &Assessment) -> Option<String> {
+/// "more than 0.2 mm": what is left by the surface alone, where that is said.
+fn alone(campaign: &Campaign, found: &Assessment) -> Option<String> {
     let Certificate { bound, quantile, .. } = found.certificate;
-    (bound - quantile > MUCH_IS_HELD * bound).then(|| match quantile {
-        quantile if quantile > 0.0 => format!("more than {}", campaign.problem.response.amount(quantile)),
-        _ => "nothing".to_owned(),
-    })
+    by_the_surface_alone(&campaign.problem.response, bound, quantile)
 }
 
 /// The share of all designs that a well may take unseen, unless it is said that there is none.
@@ -460,10 +446,10 @@ fn even_more(campaign: &Campaign, found: &Assessment) -> String {
     let (response, forecast) = (&campaign.problem.response, Forecast { most: None, ..found.forecast });
     let Some(enough) = forecast.reserves_until() else { return String::new() };
     format!(
-        " Even more than that is held for a narrow {} that no run may have met, until {enough} designs were run ({}){}.",
+        " Even more is held for a narrow {} that no run may have met, until {enough} designs were run ({}){}.",
         response.well(),
         so_far(&forecast),
-        if found.smooth_refuted { "" } else { ", or `smooth` in [stop] says that there surely is none" }
+        if found.smooth_refuted { "" } else { ", or `smooth` in [stop] says that there is none" }
     )
 }
 
@@ -472,7 +458,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
     let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, found.certificate);
     if let (true, Some(least)) = (found.forecast.is_for_the_least(), response.least()) {
         let sentence = format!(
-            "More is not to be had: that is what is left {} to {}, the best value that [response] allows, from as far off as the \
+            "More is not to be had: that is what is left {} to {}, the best that [response] allows, from as far off as the \
              recommended design may be.{}",
             response.better_way(),
             response.value_to(least, 0.0),
@@ -518,7 +504,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
         None => format!("The rest is held for {few}."),
     };
     let (quantile, unit) = (response.of_difference(quantile), response.unit_of_differences());
-    let finding = Finding::new(sentence).with("the surface alone", quantile, unit);
+    let finding = Finding::new(sentence).with("by the surface alone", quantile, unit);
     Some(match until {
         Some(enough) => finding.with(WITHOUT_RESERVE, enough as f64, "1"),
         None => finding,
@@ -527,15 +513,12 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
 
 /// The designs that may still be the best, the recommended one among them.
 fn left(found: &Assessment) -> Finding {
-    // What is held for wells that nobody has met, or only in part, is not the surface's, which may be sure long before.
-    let is_held = found.forecast.reserves_until().is_some() || found.forecast.is_for_a_find();
-    let by = if is_held { "By the surface alone" } else { "By the surface" };
     let which = match found.left {
         _ if found.n_left == Some(1) => "no other design".to_owned(),
         tiny if tiny < 1e-4 => "less than 0.01 % of all designs".to_owned(),
         share => format!("{} of all designs, the recommended one included,", percent(share)),
     };
-    Finding::new(format!("{by}, {which} may still be the best.")).with("left", found.left, "1")
+    Finding::new(format!("By the surface alone, {which} may still be the best.")).with("left", found.left, "1")
 }
 
 /// "90 % probability no design is better than it by more than 0.2 mm".
@@ -604,8 +587,7 @@ fn worth_in_words(worth: SimulationWorth, scale: Scale) -> String {
     match (is_little, is_left_out) {
         (true, true) => sentence.push_str(", and hardly used: what is recommended rests on the experiments"),
         (false, true) => sentence.push_str(
-            ". All the same it is hardly used: by now a surface through the experiments alone predicts them at least as well, so what \
-             is recommended rests on the experiments",
+            ", but is hardly used: by now a surface through the experiments alone predicts them at least as well",
         ),
         (_, false) => {
             let (shown, give_or_take) = (short(factor), short(half));
@@ -660,10 +642,14 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         }
         (None, n) if campaign.repeats(found).is_some_and(|repeats| repeats.variance <= 0.0) => {
             let differ = if n == 1 { "the one repeat does not" } else { &*format!("the {n} repeats do not") };
-            let taken = if found.is_exact { " Until one does, it is taken for none." } else { "" };
-            format!(
-                "Noise of one run: about {deviation} by the surface; it is not known, {differ} differ at all.{taken}"
-            )
+            match found.is_exact {
+                true => format!(
+                    "Noise of one run: taken for none, as {differ} differ at all, until one does. If that may be chance, give `noise` in [loop]."
+                ),
+                false => format!(
+                    "Noise of one run: about {deviation} by the surface; it is not known, {differ} differ at all."
+                ),
+            }
         }
         (None, n) if n < ENOUGH_REPEATS => {
             let few = if n == 1 { "one repeat is" } else { &*format!("{n} repeats are") };
@@ -762,8 +748,7 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
             "none better by more than {} ({}){}",
             response.amount(found.certificate.bound),
             percent(found.certificate.probability),
-            by_the_surface_alone(campaign, found)
-                .map_or_else(String::new, |alone| format!(", by the surface alone by {alone}"))
+            alone(campaign, found).map_or_else(String::new, |alone| format!(", by the surface alone by {alone}"))
         ),
     };
     let sentence = format!(
@@ -803,10 +788,10 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
         };
         let breaks = match unlikely_to_keep(&there) {
             Some(within) => format!(
-                "it is likely to break a bound, and keeps to all with {} probability; by the surface it {may}",
+                "it is likely to break a bound, and keeps to all with {} probability; by the surface alone it {may}",
                 percent(within)
             ),
-            None => format!("by the surface it {may}"),
+            None => format!("by the surface alone it {may}"),
         };
         format!("{breaks}: better than the recommended one with {chance} probability{feasible}")
     };
@@ -864,8 +849,8 @@ mod tests {
         };
         assert_eq!(
             said(0.81, 0.95),
-            "The simulation explains 81 % of the variance of what was measured. All the same it is hardly used: by now a surface through \
-             the experiments alone predicts them at least as well, so what is recommended rests on the experiments."
+            "The simulation explains 81 % of the variance of what was measured, but is hardly used: by now a surface through \
+             the experiments alone predicts them at least as well."
         );
         let inverted = |ignored: f64, factor: f64, factor_deviation: f64| {
             let worth = SimulationWorth { explained: 0.8, is_inverted: true, ignored, factor, factor_deviation };

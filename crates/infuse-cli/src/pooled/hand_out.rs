@@ -38,7 +38,9 @@ pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, wish: Wish)
 pub(super) fn plan(campaign: &mut Campaign, writer: &mut Writer, planned: Batch, simulations: Vec<Cell>) -> Result<()> {
     let batch = campaign.batches.len() + 1;
     let Batch { cells: experiments, purpose, reasons } = planned;
-    campaign.write_down(writer, vec![Event::Planned { batch, at: now(), experiments, simulations, purpose, reasons }])
+    let settings = Some(campaign.settings_as_said());
+    let planned = Event::Planned { batch, at: now(), experiments, simulations, purpose, reasons, settings };
+    campaign.write_down(writer, vec![planned])
 }
 
 /// The next batch, and what to simulate.

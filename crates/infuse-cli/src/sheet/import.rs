@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 
 use super::columns::point_columns;
 use super::read::setting_fault;
@@ -22,14 +22,19 @@ pub(crate) struct Imported {
 }
 
 /// Reads a table with a column per parameter, one for the response, and possibly columns named `source` and `failed`; the latter
-/// says why there is no response.
-pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> {
+/// says why there is no response. Where no source of all rows is given, each row has to say its own.
+pub(crate) fn imported(path: &Path, problem: &Problem, of_all: Option<&str>) -> Result<Vec<Imported>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let mut columns = point_columns(problem);
     let source = columns.len();
     columns.extend([Column::optional("source", ""), Column::optional("failed", "")]);
     let table = Table::read(path, &columns)?;
+    ensure!(
+        of_all.is_some() || table.has(source),
+        "{}: there is no column `source`, and --source is missing: expected one of them, to say where these experiments come from",
+        path.display()
+    );
     let (mut found, mut faults): (Vec<Imported>, Vec<Fault>) = (Vec::new(), Vec::new());
     for row in table.rows() {
         let mut usable = |column: usize, read: Result<f64, String>| {
@@ -54,6 +59,13 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
         if let (Some(Measured::Value(_)), false) = (&result, failed.is_empty()) {
             faults.push(table.fault(row, source + 1, "nothing, as there is a value; or no value, if the run failed"));
         }
+        if of_all.is_none() && table.cell(row, source).trim().is_empty() {
+            faults.push(table.fault(
+                row,
+                source,
+                "where this experiment comes from; or --source, which says it of all rows",
+            ));
+        }
         for (column, (parameter, setting)) in parameters.iter().zip(&point).enumerate() {
             if let Some(expected) = setting.and_then(|setting| setting_fault(parameter, setting)) {
                 faults.push(table.fault(row, column, expected));
@@ -68,6 +80,6 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
         }
     }
     none_of(&path.display().to_string(), &faults)?;
-    anyhow::ensure!(!found.is_empty(), "{}: no rows, expected at least one experiment", path.display());
+    ensure!(!found.is_empty(), "{}: no rows, expected at least one experiment", path.display());
     Ok(found)
 }

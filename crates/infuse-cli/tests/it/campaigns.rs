@@ -140,6 +140,30 @@ fn earlier_experiments_are_imported_with_where_they_come_from() {
     assert_eq!(rig.status()["imported"], 2);
 }
 
+/// `--source` is for what no column says; beside one it is a name for the whole table.
+#[test]
+fn a_column_says_where_each_earlier_experiment_comes_from() {
+    let rig = Rig::pooled();
+    let heading = "damper gain [N s/mm],spring [N/mm],vibration [mm/s]";
+    let import = ["import", "old.csv"];
+    rig.write("old.csv", &format!("{heading}\n1.9,22,7.1\n"));
+    let error = rig.infuse(&import).error();
+    assert!(error.contains("old.csv: there is no column `source`, and --source is missing"), "{error}");
+    rig.write("old.csv", &format!("{heading},source\n1.9,22,7.1,run A\n1.3,18,8.4, \n"));
+    let error = rig.infuse(&import).error();
+    assert!(
+        error.contains("row 3, column `source`: is empty, expected where this experiment comes from; or --source"),
+        "{error}"
+    );
+    rig.write("old.csv", &format!("{heading},source\n1.9,22,7.1,run A\n1.3,18,8.4,run B\n"));
+    rig.infuse(&import).ok();
+    let sources: Vec<Value> = rig.journal().iter().filter_map(|line| line.get("source").cloned()).collect();
+    assert_eq!(sources, ["run A", "run B"]);
+    assert!(rig.infuse(&["import", "--withdraw", "run B"]).ok().contains("Withdrawn: 1 experiment."));
+    let error = Rig::pooled().infuse(&["import", rig.folder().to_str().unwrap()]).error();
+    assert!(error.contains("is a folder: --source is missing"), "{error}");
+}
+
 #[test]
 fn imports_are_withdrawn_by_their_source() {
     let rig = Rig::new();

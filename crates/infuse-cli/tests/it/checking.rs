@@ -27,6 +27,26 @@ fn the_budget_is_that_of_the_file() {
     assert_eq!(check(&Rig::new())["terms"], json!(6));
 }
 
+/// What is next is that of `status`, whatever the campaign has come to.
+#[test]
+fn what_is_next_follows_from_where_the_campaign_stands() {
+    let rig = Rig::pooled();
+    rig.edit("batches = 6", "batches = 1");
+    let last = |command: &str| {
+        let said = rig.infuse(&[command]).ok();
+        said.lines().last().map(str::to_owned).unwrap_or_default()
+    };
+    assert_eq!(last("check"), "Next: infuse ask");
+    rig.infuse(&["ask"]).ok();
+    assert_eq!(last("check"), "Next: run what is left in sheet-1.csv, then: infuse tell sheet-1.csv");
+    rig.fill("sheet-1.csv", |_| true);
+    rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    assert_eq!(last("check"), last("status"));
+    let said = rig.infuse(&["check"]).ok();
+    assert!(said.contains("Ended: ") && said.contains("  Next: infuse confirm"), "{said}");
+    assert!(!said.contains("infuse ask"), "{said}");
+}
+
 #[test]
 fn choices_are_named() {
     let rig = Rig::pooled();

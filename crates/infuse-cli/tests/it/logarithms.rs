@@ -141,6 +141,22 @@ fn differences_are_said_as_factors() {
     assert!(gains.into_iter().all(|gain| gain > 0.0), "factors: {confirmed}");
 }
 
+/// A factor of a million and one of 1.2 are seen on the same axis, and so is that the surface alone leaves next to nothing.
+#[test]
+fn bounds_of_powers_of_ten_leave_room_for_those_near_one() {
+    let rig = rig(|value| value, "[stop]\nworth = 1.2\n");
+    logarithmic(&rig);
+    batch(&rig, |value| value);
+    let bound = rig.status()["bound"].as_f64();
+    assert!(bound.is_some_and(|bound| bound > 1e3), "{bound:?}");
+    rig.infuse(&["report"]).ok();
+    let page = rig.read("report.html");
+    let picture = page.split("<figure").find(|figure| figure.contains("bound, as a factor")).unwrap_or_default();
+    for part in [">1.1<", ">2<", "by the surface alone"] {
+        assert!(picture.contains(part), "{part}: {picture}");
+    }
+}
+
 /// Whoever learns of the scale by the first results need not begin anew.
 #[test]
 fn the_scale_may_be_set_between_batches() {

@@ -206,3 +206,54 @@ fn the_log_says_what_happened_in_order() {
     assert!(text.contains("`batches` was 6 and is 2"), "by the keys of the file: {text}");
     assert!(text.trim_end().lines().last().unwrap().contains("stopped    all 2 batches"), "{text}");
 }
+
+/// Each setting that a batch was asked for with is there, however many are asked for before the first is complete.
+#[test]
+fn the_log_has_what_was_changed_before_a_batch_was_complete() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    for (then, now) in [(10, 8), (8, 6)] {
+        rig.edit(&format!("experiments = {then}"), &format!("experiments = {now}"));
+        rig.infuse(&["ask", "--more"]).ok();
+    }
+    for batch in 1..=3 {
+        tell(&rig, batch);
+    }
+    let text = rig.infuse(&["log"]).ok();
+    let changed = text.lines().filter(|line| line.contains("changed    campaign.toml: "));
+    let changed: Vec<&str> = changed.filter_map(|line| line.split_once("toml: ")).map(|(_, what)| what).collect();
+    assert_eq!(changed, ["`experiments` was 10 and is 8.", "`experiments` was 8 and is 6."], "{text}");
+}
+
+/// A sheet is a person's and stays as it is, so that it is said what would be told again with it.
+#[test]
+fn a_sheet_that_still_has_results_that_were_taken_back_is_named() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    rig.fill("sheet-1.csv", |id| id <= 3);
+    rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    let still = "sheet-1.csv still has what was taken back, of experiments 1, 2, 3: empty it there or put it right, or `infuse tell` takes it again";
+    let said = rig.infuse(&["undo"]).stderr;
+    assert!(said.contains(still), "{said}");
+    let said = rig.infuse(&["ask"]).stderr;
+    assert!(said.contains(still), "{said}");
+    // What is put right, empty, or told since is no danger.
+    rig.infuse(&["tell", "--id", "2", "--value", "8.25"]).ok();
+    let sheet = rig.read("sheet-1.csv").lines().map(|line| put_right(line, "3", "7.125")).collect::<String>();
+    rig.write("sheet-1.csv", &sheet);
+    let said = rig.infuse(&["ask"]).stderr;
+    assert!(said.contains("of experiment 1: ") && !said.contains('3'), "{said}");
+    rig.infuse(&["undo"]).ok();
+    rig.infuse(&["undo"]).ok();
+    let said = rig.infuse(&["ask"]).stderr;
+    assert!(said.contains("of experiments 1, 2: "), "the same batch, asked for anew: {said}");
+}
+
+/// A row of a sheet, with another value if it is of this experiment.
+fn put_right(line: &str, id: &str, value: &str) -> String {
+    let mut cells: Vec<&str> = line.split(',').collect();
+    if cells[1] == id {
+        cells[5] = value;
+    }
+    format!("{}\n", cells.join(","))
+}

@@ -140,7 +140,8 @@ fn a_campaign_may_end_by_what_the_surface_alone_says() {
         status.contains("; by the surface alone, by more than ") && status.contains("The bound is more than the 10"),
         "{status}"
     );
-    let now = "By what the surface alone says it may end now: `by = \"surface\"` under [stop] does so, at the risk of";
+    assert!(rig.infuse(&["log"]).ok().contains(", by the surface alone by more than "));
+    let now = "By the surface alone it may end now: `by = \"surface\"` under [stop] does so, at the risk of";
     assert!(status.contains(now), "{status}");
     // With what so few results may not have shown it is 30, and the reserve alone is more than that.
     rig.edit("worth = 10", "worth = 40");
@@ -156,9 +157,11 @@ fn a_campaign_may_end_by_what_the_surface_alone_says() {
     assert_eq!((&by_the_surface["bound"], &by_the_surface["further_batches"]), (&by_the_bound["bound"], &json!(0)));
     let status = rig.infuse(&["status"]).ok();
     assert!(
-        status.contains("What the surface alone says, by which `by` in [stop] stops, is no more than the 10"),
+        status.contains("By the surface alone, by which `by` in [stop] stops, it is no more than the 10"),
         "{status}"
     );
+    assert!(status.contains("of `worth`: stop, unless such a well may be there."), "{status}");
+    assert_eq!(status.matches("of all designs may be unseen").count(), 1, "how large it may be: {status}");
     let ended = status.lines().find(|line| line.starts_with("Ended: ")).unwrap();
     assert!(ended.starts_with("Ended: by the surface alone, with 90 % probability no design is better"), "{ended}");
     assert!(
@@ -285,7 +288,7 @@ fn what_is_left_of_what_is_maximized_is_up_to_its_best() {
         assert!(batch(&rig, |a, b, id| Ok(20.0 - a - b + 0.01 * wobble(id))));
     }
     let status = rig.infuse(&["status"]).ok();
-    assert!(status.contains("More is not to be had: that is what is left up to 21 N, the best value that"), "{status}");
+    assert!(status.contains("More is not to be had: that is what is left up to 21 N, the best that"), "{status}");
 }
 
 /// Student's interval by all repeats of the campaign, those of earlier batches among them; with `blocks` by those of one batch.

@@ -107,6 +107,18 @@ impl Axis {
         Self { spacing: Spacing::Ratios, ..self.with_range(0.95 * min, 1.05 * max) }
     }
 
+    /// The same axis around factors above 1, as far apart as their logarithms on an axis in decades; as [`Axis::in_decades`] if one
+    /// of them is not above 1. For factors of which some are many powers of ten and others next to 1.
+    pub fn in_factors(self, values: impl IntoIterator<Item = f64>) -> Self {
+        let values: Vec<f64> = values.into_iter().collect();
+        let Some((min, max)) = ends(values.iter().copied()).filter(|(min, _)| *min > 1.0) else {
+            return self.in_decades(values);
+        };
+        let least = 1.0 + 10_f64.powf(((min - 1.0).log10() + 1e-6).floor());
+        let most = max.powf(1.5).min(f64::MAX).max(1.1 * least);
+        Self { spacing: Spacing::Factors, ..self.with_range(least, most) }
+    }
+
     /// The same axis for counting between two numbers: whole numbers, half a step of room on either side.
     pub fn counting(self, first: usize, last: usize) -> Self {
         let step = (last.saturating_sub(first) / 10 + 1) as f64;
@@ -165,6 +177,7 @@ impl Axis {
         match (self.range, self.step) {
             (Some((min, max)), _) if self.spacing == Spacing::Decades => Scale::in_decades(min, max, ticks),
             (Some((min, max)), _) if self.spacing == Spacing::Ratios => Scale::in_ratios(min, max),
+            (Some((min, max)), _) if self.spacing == Spacing::Factors => Scale::in_factors(min, max),
             (Some((min, max)), Some(step)) => Scale::even(min, max, step),
             (Some((min, max)), None) => Scale::even(min, max, round_step(max - min, ticks)),
             (None, _) => Scale::around(values, ticks),
@@ -233,6 +246,15 @@ mod tests {
         let narrow = Axis::new("cost", "s").in_ratios([0.9, 1.2]).scale(std::iter::empty(), 4);
         let texts: Vec<String> = narrow.ticks().into_iter().map(|tick| narrow.text(tick)).collect();
         assert_eq!(texts, ["0.9", "1", "1.1", "1.2"]);
+    }
+
+    #[test]
+    fn factors_begin_a_round_one_below_the_least() {
+        let scale = |values: [f64; 2]| Axis::new("bound", "1").in_factors(values).scale(std::iter::empty(), 5);
+        let (small, large) = (scale([1.05, 1000.0]), scale([1.001, 1e300]));
+        assert!((small.min - 1.01).abs() < 1e-12 && small.max > 1000.0, "{small:?}");
+        assert!((large.min - 1.001).abs() < 1e-12 && large.max.is_finite(), "{large:?}");
+        assert_eq!(scale([1.0, 1000.0]), Scale::in_decades(1.0, 1000.0, 5), "1 has no place among them");
     }
 
     #[test]

@@ -9,10 +9,17 @@ pub(super) enum Spacing {
     Decades,
     /// The same ratio everywhere, ticks within powers of ten as well.
     Ratios,
+    /// Of factors above 1: the same ratio of their logarithms everywhere.
+    Factors,
 }
 
-/// Ticks of an axis of ratios that spans too little for round ratios, about.
+/// Ticks of an axis of ratios or factors that spans too little for round ones, about.
 const EVEN_TICKS: usize = 4;
+
+/// Ticks of an axis of factors are at least this share of it apart.
+const FACTORS_APART: f64 = 0.1;
+/// Digits behind the point of the least factor that has a tick.
+const FACTOR_DECIMALS: usize = 6;
 
 /// An axis with its ticks: the multiples of `step` from `min` to `max`, or one power of ten in `step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,11 +57,20 @@ impl Scale {
         Self { min, max, step: 1.0, spacing: Spacing::Ratios }
     }
 
+    /// Such as 1.01, 1.1, 2, 10 and 1000 between two factors above 1.
+    pub(super) fn in_factors(min: f64, max: f64) -> Self {
+        Self { min, max, step: 1.0, spacing: Spacing::Factors }
+    }
+
     /// 0 at the beginning of the axis, 1 at its end.
     pub(super) fn place(&self, value: f64) -> f64 {
         match self.spacing {
             Spacing::Even => (value - self.min) / (self.max - self.min),
             Spacing::Decades | Spacing::Ratios => (value / self.min).log10() / (self.max / self.min).log10(),
+            Spacing::Factors => {
+                let [value, min, max] = [value, self.min, self.max].map(|one| one.ln().max(f64::MIN_POSITIVE).ln());
+                (value - min) / (max - min)
+            }
         }
     }
 
@@ -89,7 +105,31 @@ impl Scale {
                 let step = round_step(self.max - self.min, EVEN_TICKS);
                 if ticks.len() > 1 { ticks } else { multiples(self.min, self.max, step) }
             }
+            Spacing::Factors => self.factors(),
         }
+    }
+
+    /// Factors that are far enough apart, the roundest first.
+    fn factors(&self) -> Vec<f64> {
+        let small = |times: f64| (1..=FACTOR_DECIMALS as i32).rev().map(move |k| 1.0 + times * 10_f64.powi(-k));
+        let powers = (1..=f64::MAX_10_EXP).map(|k| 10_f64.powi(k));
+        let round: Vec<f64> = small(1.0).chain([2.0]).chain(powers).collect();
+        let between: Vec<f64> = small(2.0).chain(small(5.0)).chain([5.0]).collect();
+        let mut ticks: Vec<f64> = Vec::new();
+        let mut add = |factors: &[f64]| {
+            for &factor in factors.iter().filter(|factor| (self.min..=self.max).contains(*factor)) {
+                let is_apart = |tick: &f64| (self.place(*tick) - self.place(factor)).abs() >= FACTORS_APART;
+                if ticks.iter().all(is_apart) {
+                    ticks.push(factor);
+                }
+            }
+            ticks.len()
+        };
+        if add(&round) < EVEN_TICKS {
+            add(&between);
+        }
+        ticks.sort_by(f64::total_cmp);
+        ticks
     }
 
     /// Decimals that tell neighboring ticks apart.
@@ -126,6 +166,9 @@ impl Scale {
     }
 
     fn whole_text(&self, tick: f64) -> String {
+        if self.spacing == Spacing::Factors {
+            return factor_text(tick);
+        }
         if self.spacing != Spacing::Even {
             return ratio_text(tick, &self.ticks());
         }
@@ -177,6 +220,15 @@ pub(super) fn ratio_text(value: f64, all: &[f64]) -> String {
     let are_plain = all.iter().all(|value| PLAIN_RATIOS.contains(&rounded(*value)));
     let value = rounded(value);
     if are_plain { value.to_string() } else { format!("{value:e}").replace('-', MINUS) }
+}
+
+/// A factor, with a power of ten only where it would be long by itself.
+fn factor_text(factor: f64) -> String {
+    if !PLAIN_RATIOS.contains(&factor) {
+        return format!("{factor:e}");
+    }
+    let text = format!("{factor:.FACTOR_DECIMALS$}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A step of a scale, with a power of ten where it would be long.
@@ -245,6 +297,17 @@ mod tests {
         assert_eq!(texts(Scale::in_decades(1e-3, 1e5, 4)), ["0.01", "1", "100", "10000"]);
         assert_eq!(texts(Scale::in_decades(1.0, 1e9, 3)), ["1e0", "1e3", "1e6", "1e9"]);
         assert_eq!(texts(Scale::in_ratios(2e5, 2e6)), ["2e5", "3e5", "5e5", "1e6", "2e6"]);
+    }
+
+    #[test]
+    fn factors_are_as_far_apart_as_their_logarithms() {
+        let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| scale.text(tick)).collect::<Vec<_>>();
+        assert_eq!(texts(Scale::in_factors(1.01, 3000.0)), ["1.01", "1.1", "2", "10", "100"]);
+        assert_eq!(texts(Scale::in_factors(1.01, 1e16)), ["1.01", "1.1", "2", "10", "1000", "1e7", "1e16"]);
+        assert_eq!(texts(Scale::in_factors(1.1, 9.0)), ["1.1", "1.2", "1.5", "2", "5"]);
+        let scale = Scale::in_factors(1.01, 1e16);
+        assert!((scale.place(10.0) - scale.place(100.0) - scale.place(100.0) + scale.place(1e4)).abs() < 1e-12);
+        assert!(scale.place(1.0) < 0.0 && scale.place(0.5) < 0.0, "cut off, like all that is less");
     }
 
     #[test]

@@ -12,11 +12,12 @@ use serde_json::{Value, json};
 
 use super::output::Output;
 use crate::campaign::Campaign;
+use crate::findings::next;
 use crate::folder;
 use crate::journal::JOURNAL;
 use crate::number::{count, plain, with_unit};
 use crate::problem::{PROBLEM, Problem, Scale, linear_in_words};
-use crate::shell::{infuse, sheet_path};
+use crate::shell::sheet_path;
 
 pub(crate) fn check(folder: &Path) -> Result<Output> {
     let mut campaign = folder::read(folder)?;
@@ -29,6 +30,7 @@ pub(crate) fn check(folder: &Path) -> Result<Output> {
     let (costs, mut json) = budget::in_words(&*campaign, &budget, tried.took)?;
     findings.extend(costs);
     findings.push(files(&*campaign));
+    findings.push(next(&*campaign, &campaign.stage()?));
     json["simulation"] = tried.json;
     json["seconds_per_simulation"] = tried.took.map_or(Value::Null, |took| json!(took.as_secs_f64()));
     json["can_be_built"] = json!(tried.can_be_built);
@@ -70,9 +72,8 @@ fn files(campaign: &dyn Campaign) -> Finding {
     let n = campaign.experiments().n_made();
     let so_far = if n > 0 { format!(" Told so far: {}.", count(n, "experiment")) } else { String::new() };
     Finding::new(format!(
-        "The next sheet will be {}, the journal {}.{so_far} Next: {} ask",
+        "The next sheet will be {}, the journal {}.{so_far}",
         first.display(),
-        if folder == Path::new(".") { JOURNAL.to_owned() } else { folder.join(JOURNAL).display().to_string() },
-        infuse(folder)
+        if folder == Path::new(".") { JOURNAL.to_owned() } else { folder.join(JOURNAL).display().to_string() }
     ))
 }

@@ -17,8 +17,6 @@ use crate::report::axes;
 const SIZE_PX: (f64, f64) = (292.0, 220.0);
 /// Below this share, in per cent, powers of ten tell more.
 const SMALL_PERCENT: f64 = 5.0;
-/// And from this ratio of the largest to the smallest.
-const MANY: f64 = 50.0;
 /// How far beside what is expected the best measured is drawn: this share of the axis.
 const BESIDE: f64 = 0.03;
 
@@ -60,7 +58,7 @@ pub(super) fn write_charts(page: &mut Page, campaign: &Campaign) {
     let caption = format!(
         "Left: what is expected of the recommended design after each batch, with its band of 90 %, and the best that was \
          measured in the batch. Middle: no design is better than the recommended one by more than the bound, with the \
-         probability of the certificate; beside it what the surface alone says.{worth} Right: the share of all designs that may still be the best. Below: \
+         probability of the certificate; beside it the same by the surface alone; what is next to nothing stands on the lower border.{worth} Right: the share of all designs that may still be the best. Below: \
          every experiment of the campaign, and the best so far{kept}.{below}"
     );
     page.charts(&charts, &[], &caption);
@@ -115,17 +113,14 @@ fn expected(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Chart {
 
 fn bound(campaign: &Campaign) -> Chart {
     let response = &campaign.problem.response;
-    let bound = |known: &Assessed| Some((batch(known), response.of_difference(known.bound?)));
-    let bounds: Line = campaign.history.values().filter_map(bound).collect();
-    let alone = |known: &Assessed| Some((batch(known), response.of_difference(known.alone?)));
-    let alone: Line = campaign.history.values().filter_map(alone).collect();
-    let worth = campaign.settings.worth.map(|worth| response.of_difference(worth));
-    let values = || bounds.iter().chain(&alone).map(|point| point.1).chain(worth);
-    let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
-    let y = match response.scale {
-        Scale::Linear if least > 0.0 && most > MANY * least => Axis::new("bound", &response.unit).in_decades(values()),
-        _ => axes::of_differences(response, bound_in_words(response), values()),
-    };
+    let bounds: Line = campaign.history.values().filter_map(|known| Some((batch(known), known.bound?))).collect();
+    let alone: Line = campaign.history.values().filter_map(|known| Some((batch(known), known.alone?))).collect();
+    let worth = campaign.settings.worth;
+    let all: Vec<f64> = bounds.iter().chain(&alone).map(|point| point.1).chain(worth).collect();
+    let (y, least) = axes::of_bounds(response, bound_in_words(response), &all);
+    let shown = |bound: f64| response.of_difference(bound.max(least));
+    let along = |line: &Line| -> Line { line.iter().map(|&(batch, bound)| (batch, shown(bound))).collect() };
+    let (bounds, alone, worth) = (along(&bounds), along(&alone), worth.map(shown));
     let x = batches("batch", 1, campaign);
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
     if let Some(worth) = worth {
@@ -192,9 +187,11 @@ fn bound_in_words(response: &Response) -> &'static str {
 fn spent(campaign: &Campaign) -> Option<Chart> {
     let costs = campaign.problem.costs.as_ref()?;
     let response = &campaign.problem.response;
-    let spent = |known: &Assessed| Some((campaign.spent_until(known.batch)?.0, response.of_difference(known.bound?)));
-    let points: Line = campaign.history.values().filter_map(spent).collect();
-    let y = axes::of_differences(response, bound_in_words(response), points.iter().map(|point| point.1));
+    let spent = |known: &Assessed| Some((campaign.spent_until(known.batch)?.0, known.bound?));
+    let bounds: Line = campaign.history.values().filter_map(spent).collect();
+    let all: Vec<f64> = bounds.iter().map(|point| point.1).collect();
+    let (y, least) = axes::of_bounds(response, bound_in_words(response), &all);
+    let points: Line = bounds.iter().map(|&(cost, bound)| (cost, response.of_difference(bound.max(least)))).collect();
     let x = Axis::new("cost", costs.unit()).around(points.iter().map(|point| point.0).chain([0.0]));
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
     draw(&mut chart, &points);
@@ -228,7 +225,7 @@ fn write_table(page: &mut Page, campaign: &Campaign, of_batches: &BTreeMap<usize
         _ => (table(campaign, of_batches), String::new()),
     };
     let caption = format!(
-        "What was known after each batch. Bound: no design is better by more{with}; by the surface: the same as the surface alone has it. Left: the share of designs that may still \
+        "What was known after each batch. Bound: no design is better by more{with}; by the surface alone: the same, were the surface believed as it is. Left: the share of designs that may still \
          be the best. Noise: standard deviation of one run, as the surface has it. Best measured: in the batch.{}",
         match campaign.problem.response.scale {
             Scale::Linear => "",
@@ -263,7 +260,7 @@ fn table(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Table {
             Column::number("expected", unit),
             Column::number(response.band_heading(), of_differences),
             Column::number("bound", of_differences),
-            Column::number("by the surface", of_differences),
+            Column::number("by the surface alone", of_differences),
             Column::number("probability", ""),
             Column::number("left", ""),
             Column::number("noise", of_differences),

@@ -1,0 +1,52 @@
+//! What still stands in a sheet though it was taken back.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use crate::campaign::{Campaign, Experiments};
+use crate::journal::{Event, Journal, Told};
+use crate::sheet::{Answer, answers};
+
+/// That a sheet would tell again what was taken back and not told since; a sheet that cannot be read tells nothing.
+pub(super) fn still_in_the_sheet(campaign: &dyn Campaign, journal: &Journal, sheet: &Path) -> Option<String> {
+    let experiments = campaign.experiments();
+    let told = journal.all.iter().filter(|(line, _)| journal.taken_back.contains(line));
+    let told = told.filter_map(|(_, event)| if let Event::Told(told) = event { Some(told) } else { None });
+    let taken_back: Vec<&Told> = told.filter(|told| !counts(experiments, told)).collect();
+    if taken_back.is_empty() {
+        return None;
+    }
+    let filled = answers(sheet, campaign.problem(), &experiments.trials).ok()?.filled;
+    let again = filled.iter().filter(|answer| taken_back.iter().any(|told| is_same(answer, told)));
+    let ids: BTreeSet<u64> = again.map(|answer| answer.id).collect();
+    (!ids.is_empty()).then(|| {
+        format!(
+            "{} still has what was taken back, of {}: empty it there or put it right, or `infuse tell` takes it again",
+            sheet.display(),
+            of_experiments(ids.iter().copied())
+        )
+    })
+}
+
+/// Whether there is a result of this run.
+fn counts(experiments: &Experiments, told: &Told) -> bool {
+    experiments.readings.get(&told.id).is_some_and(|reading| match told.repeat {
+        0 => reading.first.is_some(),
+        repeat => reading.again.contains_key(&repeat),
+    })
+}
+
+fn is_same(answer: &Answer, told: &Told) -> bool {
+    (answer.id, answer.repeat, &answer.result) == (told.id, told.repeat, &told.result)
+}
+
+/// So many are named.
+const MOST_NAMED: usize = 12;
+
+/// "experiments 3, 4, 7".
+pub(super) fn of_experiments(ids: impl ExactSizeIterator<Item = u64>) -> String {
+    let n = ids.len();
+    let named: Vec<String> = ids.take(MOST_NAMED).map(|id| id.to_string()).collect();
+    let more = if n > MOST_NAMED { ", ..." } else { "" };
+    format!("{} {}{more}", if n == 1 { "experiment" } else { "experiments" }, named.join(", "))
+}
