@@ -3,10 +3,11 @@
 use design_space::Cell;
 
 use crate::Error;
-use crate::pooled::assessment::{Assessment, Constrained, Expectation, Look, Standing, constrained_at, standing};
+use crate::pooled::assessment::{Assessment, Constrained, Expectation, Standing, constrained_at, standing};
 use crate::pooled::bands::Bands;
 use crate::pooled::campaign::Loop;
 use crate::pooled::knowledge::Knowledge;
+use crate::pooled::look::Look;
 use crate::pooled::outliers::{Readings, learnt, surprises};
 use crate::pooled::pool::Pool;
 use crate::pooled::recommendation::lowest_mean;

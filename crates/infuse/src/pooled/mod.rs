@@ -69,6 +69,7 @@ mod first_batch;
 mod held;
 mod knowledge;
 mod knowledge_gradient;
+mod look;
 mod measurements;
 mod moments;
 mod narrow;

@@ -6,12 +6,13 @@ use design_space::Cell;
 use rand::RngExt;
 
 use crate::Error;
-use crate::pooled::assessment::{Assessment, Look};
+use crate::pooled::assessment::Assessment;
 use crate::pooled::campaign::Loop;
 use crate::pooled::designs::Designs;
 use crate::pooled::evenly::spread;
 use crate::pooled::first_batch::first_batch;
 use crate::pooled::knowledge::Knowledge;
+use crate::pooled::look::Look;
 use crate::pooled::measurements::Measurements;
 use crate::pooled::outliers::learnt;
 use crate::pooled::pool::Pool;

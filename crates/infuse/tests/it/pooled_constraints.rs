@@ -1,10 +1,10 @@
 //! Constraints: responses within bounds, settings that do not go together, choices, designs that nobody can build.
 
 use design_space::{Cell, Parameter, Region};
-use infuse::{Error, Outcome};
 use infuse::pooled::{
     Ask, Assessment, Constraint, LinearConstraint, Loop, Needed, Responses, Settings, Simulate, StopReason, Trial,
 };
+use infuse::{Error, Outcome};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
