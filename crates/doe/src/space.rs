@@ -170,8 +170,8 @@ impl Space {
         };
         for (number, forbidden) in forbidden.iter().enumerate() {
             for (factor, range) in forbidden.ranges().iter().enumerate() {
-                if let (Some(allowed), &Some([lower, upper])) = (missing(forbidden, factor), range) {
-                    return Err(Error::ForbidsNoPoint { number, factor, lower, upper, allowed });
+                if let (Some(expected), &Some([lower, upper])) = (missing(forbidden, factor), range) {
+                    return Err(Error::ForbidsNoPoint { number, factor, lower, upper, expected });
                 }
             }
         }
