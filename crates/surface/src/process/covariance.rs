@@ -110,7 +110,7 @@ pub(crate) struct Matern {
 impl Hyperparameters {
     /// Whether every variance and length can be one.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let none = |name, value, allowed| Err(Error::Parameter { name, value, allowed });
+        let none = |name, value, expected| Err(Error::Parameter { name, value, expected });
         let additive = self.additive.as_ref();
         let variances = [
             ("trend", self.trend),

@@ -112,10 +112,10 @@ impl Marginals {
     /// [`Error::NoSuchPoints`] for a place that is not there.
     pub fn interval(&self, place: usize, probability: f64, noise: f64) -> Result<[f64; 2], Error> {
         if !(probability > 0.0 && probability < 1.0) {
-            return Err(Error::Parameter { name: "probability", value: probability, allowed: "between 0 and 1" });
+            return Err(Error::Parameter { name: "probability", value: probability, expected: "between 0 and 1" });
         }
         if !(noise >= 0.0 && noise.is_finite()) {
-            return Err(Error::Parameter { name: "noise", value: noise, allowed: "a finite number from 0 on" });
+            return Err(Error::Parameter { name: "noise", value: noise, expected: "a finite number from 0 on" });
         }
         let (Some(mean), Some(variance)) = (self.means.get(place), self.variances.get(place)) else {
             let (first, n_points) = (place as u64, self.means.len() as u64);
