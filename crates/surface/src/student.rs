@@ -1,5 +1,6 @@
 //! What Student's t says of a regression: tests and intervals of its coefficients, intervals of the response.
 
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{Error, Regression, Surface};
@@ -7,7 +8,7 @@ use crate::{Error, Regression, Surface};
 /// One coefficient of a regression, whether it is other than zero, and where it may be.
 ///
 /// All of it holds for normal errors with the variances that the weights say, and a model that is right.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct CoefficientTest {
     /// b, in the unit of the response by that of the term.
