@@ -11,7 +11,7 @@ use crate::Error;
 use crate::process::covariance::{Hyperparameters, Parts, SimulationUse, Structure, prior_variances};
 use crate::process::joint::Joint;
 use crate::process::places::Places;
-use crate::process::sites::{Sites, check_axes};
+use crate::process::sites::Sites;
 
 /// The response as a Gaussian process, given measurements and hyperparameters.
 ///
@@ -158,18 +158,7 @@ impl GaussianProcess {
     /// [`Error::Parameter`] for a variance that is negative or a length that is not positive, [`Error::Length`], [`Error::IllConditioned`]
     /// if rounding has eaten the covariance of the sites.
     pub fn new(sites: Arc<Sites>, structure: Structure, hyper: Hyperparameters) -> Result<Self, Error> {
-        let expected = sites.places().n_factors();
-        if hyper.lengths.len() != expected {
-            return Err(Error::Length { name: "lengths", expected, found: hyper.lengths.len() });
-        }
-        if let Some(additive) = &hyper.additive {
-            check_axes(&additive.axes, expected)?;
-            let (expected, found) = (additive.axes.len(), additive.lengths.len());
-            if expected != found {
-                return Err(Error::Length { name: "lengths of the additive part", expected, found });
-            }
-        }
-        hyper.check()?;
+        hyper.check(sites.places().n_factors())?;
         let problem = Problem::of(&sites);
         let factor = problem.factor(structure, &hyper);
         let factor = factor.ok_or(Error::IllConditioned { ratio: 0.0, least: LEAST_NOISE })?;
