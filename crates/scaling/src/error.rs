@@ -80,6 +80,18 @@ pub enum Error {
         /// What it means, as factor and dimension.
         meaning: String,
     },
+    /// A base whose dimension some unit has already.
+    #[error(
+        "the dimension `{dimension}` of the base `{symbol}` is not new, `{unit}` has it: give it another name with `base_as`"
+    )]
+    DimensionExists {
+        /// The symbol of the base.
+        symbol: String,
+        /// The dimension.
+        dimension: String,
+        /// A unit that has it.
+        unit: String,
+    },
     /// A system without variables.
     #[error("there are no variables")]
     NoVariables,
