@@ -189,7 +189,7 @@ parameters! {
         /// Aerodynamic center above the root, at factor 1; grows with the square root of the factor.
         offset_height_m = "offset_height", "m", Finite;
         /// Incidence, positive leading edge up.
-        incidence_rad = "incidence", "rad", Finite;
+        incidence_rad = "incidence", "rad", ShortOfHalfTurn;
         /// `C_D0`.
         drag_zero_lift = "drag_zero_lift", "1", NonNegative;
         /// `K` of `C_D = C_D0 + K C_L²`.
@@ -277,8 +277,8 @@ parameters! {
         /// Aerodynamic centers of the halves of the horizontal stabilizer to either side of the plane of symmetry, at factor 1;
         /// grows with the square root of the factor.
         offset_lateral_m = "offset_lateral", "m", NonNegative;
-        /// Incidence of the starboard half less that of the port half; short of a half turn. The mean is `incidence`.
-        incidence_difference_rad = "incidence_difference", "rad", Finite;
+        /// Incidence of the starboard half less that of the port half. The mean is `incidence`.
+        incidence_difference_rad = "incidence_difference", "rad", ShortOfHalfTurn;
         /// `C_Lα` of the starboard half less that of the port half. The mean is `lift_slope`.
         lift_slope_difference_per_rad = "lift_slope_difference", "1/rad", Finite;
         /// How much longer the center line is than its winch says.
@@ -303,18 +303,7 @@ impl Parameters {
             }
         }
         self.check_inertia()?;
-        self.check_products()?;
-        let difference = self.asymmetry.incidence_difference_rad;
-        if difference.abs() >= core::f64::consts::PI {
-            return Err(Error::Parameter {
-                section: "asymmetry",
-                name: "incidence_difference",
-                value: difference,
-                unit: "rad",
-                allowed: "short of a half turn to either side",
-            });
-        }
-        Ok(())
+        self.check_products()
     }
 
     /// The moments of inertia and the product in the plane of symmetry.

@@ -29,6 +29,7 @@ fn every_parameter_is_checked_against_its_range() {
             Allowed::NonNegative => &[-1e-9, -1.0],
             Allowed::Positive => &[0.0, -1.0],
             Allowed::AcuteAngle => &[0.0, -0.1, 1.6],
+            Allowed::ShortOfHalfTurn => &[core::f64::consts::PI, -3.2, 20.0],
         };
         for value in outside.iter().chain(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY]) {
             let mut p = rig();
@@ -40,6 +41,21 @@ fn every_parameter_is_checked_against_its_range() {
     // Zero is a surface that is not there, and a product of inertia has either sign.
     assert!(FIELDS.iter().filter(|f| f.name == "area").all(|f| f.allowed.admits(0.0)), "areas");
     assert!(Field::find("body", "inertia_xz").unwrap().allowed.admits(-1e-5), "inertia_xz");
+}
+
+/// Degrees by mistake: with an incidence of 20 rad the linear model would stall.
+#[test]
+fn an_incidence_of_half_a_turn_and_more_is_refused() {
+    for incidence in [20.0, -20.0, core::f64::consts::PI] {
+        let mut p = rig();
+        p.horizontal_stabilizer.incidence_rad = incidence;
+        let message = refused(&p, "horizontal_stabilizer", "incidence");
+        assert!(message.ends_with("short of a half turn to either side"), "{message}");
+    }
+    let mut p = rig();
+    p.horizontal_stabilizer.incidence_rad = -3.1;
+    p.asymmetry.incidence_difference_rad = 3.1;
+    Plant::new(&p, Fidelity::NUMERICAL).unwrap();
 }
 
 #[test]
