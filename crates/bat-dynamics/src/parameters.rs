@@ -1,7 +1,7 @@
 //! The physical parameters of the plant, each with its key, unit and allowed range.
 //!
-//! The tables [`FIELDS`] and [`OPTIONAL_FIELDS`] are the one list of all numbers: a file reader, a writer and a scale
-//! converter walk them.
+//! The tables [`FIELDS`] and [`OPTIONAL_FIELDS`] are the one list of all numbers, [`Parameters::fields`]: a file reader, a writer
+//! and a scale converter walk it.
 
 use crate::allowed::Allowed;
 use crate::error::Error;
@@ -18,6 +18,8 @@ pub struct Field {
     pub unit: &'static str,
     /// Allowed values.
     pub allowed: Allowed,
+    /// Whether a plant may leave it out, and then has it at zero.
+    pub optional: bool,
     /// Reads the number.
     pub get: fn(&Parameters) -> f64,
     /// Writes the number.
@@ -72,6 +74,7 @@ macro_rules! parameters {
                 name: $name,
                 unit: $unit,
                 allowed: Allowed::$allowed,
+                optional: false,
                 get: |p| p.$section.$field,
                 set: |p, value| p.$section.$field = value,
             }, )*)*
@@ -84,14 +87,20 @@ macro_rules! parameters {
                 name: $key_name,
                 unit: $key_unit,
                 allowed: Allowed::$key_allowed,
+                optional: true,
                 get: |p| p.$optional.$key,
                 set: |p, value| p.$optional.$key = value,
             }, )*)*
         ];
 
         impl Parameters {
-            /// Builds the parameters by asking `lookup` for every field of [`FIELDS`], in that order; those of
-            /// [`OPTIONAL_FIELDS`] are zero.
+            /// Every number: [`FIELDS`], and after them [`OPTIONAL_FIELDS`].
+            pub fn fields() -> impl Iterator<Item = &'static Field> {
+                FIELDS.iter().chain(OPTIONAL_FIELDS)
+            }
+
+            /// Builds the parameters by asking `lookup` for every one of [`fields`](Self::fields), in that order. For one that is
+            /// [`optional`](Field::optional) and not there it gives 0: a plant without any of them is symmetric.
             ///
             /// # Errors
             /// The first error that `lookup` returns.
@@ -99,11 +108,11 @@ macro_rules! parameters {
                 layout: TetherLayout,
                 mut lookup: impl FnMut(&'static Field) -> Result<f64, E>,
             ) -> Result<Self, E> {
-                let mut fields = FIELDS.iter();
+                let mut fields = Self::fields();
                 let mut next = || fields.next().map_or(Ok(f64::NAN), &mut lookup);
                 Ok(Self {
                     $( $section: $Section { $( $field: next()?, )* }, )*
-                    $( $optional: $Optional::default(), )*
+                    $( $optional: $Optional { $( $key: next()?, )* }, )*
                     layout,
                 })
             }
@@ -296,7 +305,7 @@ impl Parameters {
     /// # Errors
     /// [`Error::Parameter`] for the first number that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
-        for field in FIELDS.iter().chain(OPTIONAL_FIELDS) {
+        for field in Self::fields() {
             let value = (field.get)(self);
             if !field.allowed.admits(value) {
                 return Err(field.error(value, field.allowed.words()));
@@ -377,6 +386,6 @@ impl Field {
     /// The field `section.name`, optional or not, if there is one.
     #[must_use]
     pub fn find(section: &str, name: &str) -> Option<&'static Self> {
-        FIELDS.iter().chain(OPTIONAL_FIELDS).find(|field| field.section == section && field.name == name)
+        Parameters::fields().find(|field| field.section == section && field.name == name)
     }
 }

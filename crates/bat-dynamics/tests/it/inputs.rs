@@ -1,8 +1,8 @@
 //! Parameters and states: what is refused, and how it is told.
 
 use bat_dynamics::{
-    Allowed, Error, FIELDS, Fidelity, Field, Flow, Parameters, Plant, SINGULAR_SIN_ZENITH, STATE_NAMES, STATE_UNITS,
-    TetherLayout, accelerations, check_state, evaluate,
+    Allowed, Error, FIELDS, Fidelity, Field, Flow, OPTIONAL_FIELDS, Parameters, Plant, SINGULAR_SIN_ZENITH,
+    STATE_NAMES, STATE_UNITS, TetherLayout, accelerations, check_state, evaluate,
 };
 
 use crate::plants::{everything, rig};
@@ -23,7 +23,7 @@ fn refused(parameters: &Parameters, section: &str, name: &str) -> String {
 
 #[test]
 fn every_parameter_is_checked_against_its_range() {
-    for field in FIELDS {
+    for field in Parameters::fields() {
         let outside: &[f64] = match field.allowed {
             Allowed::Finite => &[],
             Allowed::NonNegative => &[-1e-9, -1.0],
@@ -83,19 +83,24 @@ fn inertia_that_no_body_can_have_is_refused() {
 
 #[test]
 fn fields_reach_every_number_by_section_and_name() {
-    let rig = rig();
+    let mut rig = rig();
+    rig.asymmetry.center_of_mass_y_m = 0.002;
+    rig.asymmetry.line_port_m = -0.003;
     let copy = Parameters::from_fields(rig.layout, |field| Ok::<f64, ()>((field.get)(&rig))).unwrap();
-    assert_eq!(copy, rig);
+    assert_eq!(copy, rig, "what sets its sides apart included");
     // No two fields share a place: setting one changes what it reads and nothing else.
-    for field in FIELDS {
+    for field in Parameters::fields() {
         let mut p = rig;
         (field.set)(&mut p, 123.0);
         let changed: Vec<_> =
-            FIELDS.iter().filter(|f| (f.get)(&p) != (f.get)(&rig)).map(|f| (f.section, f.name)).collect();
+            Parameters::fields().filter(|f| (f.get)(&p) != (f.get)(&rig)).map(|f| (f.section, f.name)).collect();
         assert_eq!(changed, [(field.section, field.name)]);
         let found = Field::find(field.section, field.name).unwrap();
         assert_eq!((found.section, found.name, found.unit), (field.section, field.name, field.unit));
     }
+    let is_optional = |field: &&Field| field.optional;
+    assert_eq!(Parameters::fields().filter(is_optional).count(), OPTIONAL_FIELDS.len(), "those of the second list");
+    assert!(FIELDS.iter().all(|field| !field.optional), "and none of the first");
     assert!(Field::find("body", "wingspan").is_none(), "an unknown name");
     let stopped = Parameters::from_fields(TetherLayout::OneForwardTwoAft, |field| {
         if field.name == "volume" { Err(field.section) } else { Ok(1.0) }
