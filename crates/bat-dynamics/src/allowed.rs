@@ -11,6 +11,8 @@ pub enum Allowed {
     Positive,
     /// An angle above 0 and at most a quarter turn.
     AcuteAngle,
+    /// An angle of less than a half turn to either side.
+    ShortOfHalfTurn,
 }
 
 impl Allowed {
@@ -23,6 +25,7 @@ impl Allowed {
                 Self::NonNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::AcuteAngle => value > 0.0 && value <= core::f64::consts::FRAC_PI_2,
+                Self::ShortOfHalfTurn => value.abs() < core::f64::consts::PI,
             }
     }
 
@@ -34,6 +37,7 @@ impl Allowed {
             Self::NonNegative => "finite and zero or more",
             Self::Positive => "finite and more than zero",
             Self::AcuteAngle => "more than 0 and at most pi/2 rad",
+            Self::ShortOfHalfTurn => "short of a half turn to either side",
         }
     }
 }

@@ -116,11 +116,11 @@ fn residual(plant: &Plant, flow: &Flow, target: &Target, share: f64, q: &Six) ->
         Target::Set { pitch_rad, height } => {
             let sight = Pose::of_coordinates(&q, flow).sight::<true>(plant);
             let above = match height {
-                TrimHeight::Altitude(altitude_m) => sight.altitude - altitude_m,
+                TrimHeight::Altitude(altitude_m) => sight.altitude_m - altitude_m,
                 TrimHeight::TetherLength(length_m) => q[3] - length_m,
             };
             let [_, starboard, port] = lines_of_driven(plant, [q[3], q[4], q[5]]);
-            [sight.pitch - pitch_rad, above, starboard - port]
+            [sight.pitch_rad - pitch_rad, above, starboard - port]
         }
         Target::Lines { lines_m: [center, starboard, port], skew_m } => {
             let eased = (1.0 - share) * skew_m;

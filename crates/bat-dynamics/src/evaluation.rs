@@ -11,7 +11,7 @@ use crate::real::Real;
 use crate::tensions::{Tensions, tensions};
 use crate::winch::reel_accelerations;
 
-/// Derivative of a flight state under held winch commands, and what a camera sees at that state.
+/// Derivative of a flight state under held winch commands_m_s, and what a camera sees at that state.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation<T = f64> {
     /// Time derivative of the state.
@@ -24,15 +24,20 @@ pub struct Evaluation<T = f64> {
 
 /// The right-hand side of a flight: equation (4) with the winches (3).
 ///
-/// `commands` are the commanded reel speeds in m/s, in the order center, starboard, port. Nothing is checked
+/// `commands_m_s` are the commanded reel speeds, in the order center, starboard, port. Nothing is checked
 /// here: a state that leaves the model gives non-finite numbers, which [`check_state`](crate::check_state) names.
 #[inline(always)]
-pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T; 3], flow: &Flow<T>) -> Evaluation<T> {
+pub fn evaluate<T: Real>(
+    plant: &Plant<T>,
+    state: &FlightState<T>,
+    commands_m_s: [T; 3],
+    flow: &Flow<T>,
+) -> Evaluation<T> {
     let none = Disturbance::none();
     if plant.lopsided {
-        evaluate_with::<T, true, false>(plant, state, commands, flow, &none)
+        evaluate_with::<T, true, false>(plant, state, commands_m_s, flow, &none)
     } else {
-        evaluate_with::<T, false, false>(plant, state, commands, flow, &none)
+        evaluate_with::<T, false, false>(plant, state, commands_m_s, flow, &none)
     }
 }
 
@@ -45,14 +50,14 @@ pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T;
 pub fn evaluate_disturbed<T: Real>(
     plant: &Plant<T>,
     state: &FlightState<T>,
-    commands: [T; 3],
+    commands_m_s: [T; 3],
     flow: &Flow<T>,
     disturbance: &Disturbance<T>,
 ) -> Evaluation<T> {
     if plant.lopsided {
-        evaluate_with::<T, true, true>(plant, state, commands, flow, disturbance)
+        evaluate_with::<T, true, true>(plant, state, commands_m_s, flow, disturbance)
     } else {
-        evaluate_with::<T, false, true>(plant, state, commands, flow, disturbance)
+        evaluate_with::<T, false, true>(plant, state, commands_m_s, flow, disturbance)
     }
 }
 
@@ -64,13 +69,13 @@ pub fn evaluate_disturbed<T: Real>(
 pub fn evaluate_with<T: Real, const LOPSIDED: bool, const MOVING: bool>(
     plant: &Plant<T>,
     state: &FlightState<T>,
-    commands: [T; 3],
+    commands_m_s: [T; 3],
     flow: &Flow<T>,
     disturbance: &Disturbance<T>,
 ) -> Evaluation<T> {
     let &[zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = state;
     let reel = [u1, u2, u3];
-    let reel_acceleration = reel_accelerations(plant, reel, commands);
+    let reel_acceleration = reel_accelerations(plant, reel, commands_m_s);
     let bridle = Bridle::of_lines::<LOPSIDED>(plant, [l1, l2, l3], reel, reel_acceleration);
     let pose = bridle.pose([zenith, azimuth, twist], flow);
     let rates = bridle.rates([zenith_rate, azimuth_rate, twist_rate]);

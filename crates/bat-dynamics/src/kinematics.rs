@@ -154,14 +154,14 @@ impl<T: Real> Pose<T> {
         for (angle, (y, x)) in angles.iter_mut().zip(legs) {
             *angle = y.atan2(x);
         }
-        let [roll, pitch, heading] = angles;
+        let [roll_rad, pitch_rad, heading_rad] = angles;
         Sight {
-            forward: joint[0] + along(rows[0]),
-            right: joint[1] + along(rows[1]),
-            altitude: -(joint[2] + along(rows[2])),
-            roll,
-            pitch,
-            heading,
+            forward_m: joint[0] + along(rows[0]),
+            right_m: joint[1] + along(rows[1]),
+            altitude_m: -(joint[2] + along(rows[2])),
+            roll_rad,
+            pitch_rad,
+            heading_rad,
         }
     }
 }
@@ -169,18 +169,18 @@ impl<T: Real> Pose<T> {
 /// Position of the center of mass and attitude, seen from the flow's direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight<T = f64> {
-    /// Position of the center of mass against the flow, in m.
-    pub forward: T,
-    /// Position of the center of mass to the right of the flow's axis, in m.
-    pub right: T,
-    /// Altitude of the center of mass above the winches, in m.
-    pub altitude: T,
-    /// Roll angle phi, starboard down, in rad.
-    pub roll: T,
-    /// Pitch angle theta, nose up, in rad.
-    pub pitch: T,
-    /// Heading relative to the flow, psi − psi_flow in (−pi, pi], nose right, in rad.
-    pub heading: T,
+    /// Position of the center of mass against the flow.
+    pub forward_m: T,
+    /// Position of the center of mass to the right of the flow's axis.
+    pub right_m: T,
+    /// Altitude of the center of mass above the winches.
+    pub altitude_m: T,
+    /// Roll angle phi, starboard down.
+    pub roll_rad: T,
+    /// Pitch angle theta, nose up.
+    pub pitch_rad: T,
+    /// Heading relative to the flow, psi − psi_flow in (−pi, pi], nose right.
+    pub heading_rad: T,
 }
 
 impl<T: Copy> Rates<T> {
@@ -207,7 +207,7 @@ pub fn translation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coord
         (pose.sight::<false>(plant), cross_place::<_, false>(omega, plant.cm()))
     };
     let velocity = add(combine(&pose.axes, pose.joint_velocity(&rates)), swing);
-    [sight.forward, sight.right, -sight.altitude, velocity[0], velocity[1], velocity[2]]
+    [sight.forward_m, sight.right_m, -sight.altitude_m, velocity[0], velocity[1], velocity[2]]
 }
 
 /// Attitude and body rates, `Omega = [phi, theta, psi, p, q, r]` in rad and rad/s: roll starboard down, pitch nose up, yaw
@@ -222,7 +222,7 @@ pub fn rotation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coordina
     let (pose, rates) = (Pose::of_coordinates(q, &still), Rates::of_array(q_rate));
     let sight = pose.sight::<false>(plant);
     let (omega, _) = pose.angular_velocity(&rates);
-    [sight.roll, sight.pitch, sight.heading, omega[0], omega[1], omega[2]]
+    [sight.roll_rad, sight.pitch_rad, sight.heading_rad, omega[0], omega[1], omega[2]]
 }
 
 /// Rows of the rotation from B to G at `q`.

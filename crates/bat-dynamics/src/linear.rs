@@ -110,15 +110,15 @@ pub fn linearize(
 fn outputs(at: &Evaluation<Dual64>) -> [Dual64; OUTPUTS] {
     let Evaluation { sight, tensions, .. } = at;
     [
-        sight.altitude,
-        sight.pitch,
-        sight.roll,
-        sight.heading,
-        sight.right,
-        sight.forward,
-        tensions.center,
-        tensions.starboard,
-        tensions.port,
+        sight.altitude_m,
+        sight.pitch_rad,
+        sight.roll_rad,
+        sight.heading_rad,
+        sight.right_m,
+        sight.forward_m,
+        tensions.center_n,
+        tensions.starboard_n,
+        tensions.port_n,
     ]
 }
 

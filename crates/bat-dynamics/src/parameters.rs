@@ -1,7 +1,7 @@
 //! The physical parameters of the plant, each with its key, unit and allowed range.
 //!
-//! The tables [`FIELDS`] and [`OPTIONAL_FIELDS`] are the one list of all numbers: a file reader, a writer and a scale
-//! converter walk them.
+//! The tables [`FIELDS`] and [`OPTIONAL_FIELDS`] are the one list of all numbers, [`Parameters::fields`]: a file reader, a writer
+//! and a scale converter walk it.
 
 use crate::allowed::Allowed;
 use crate::error::Error;
@@ -18,6 +18,8 @@ pub struct Field {
     pub unit: &'static str,
     /// Allowed values.
     pub allowed: Allowed,
+    /// Whether a plant may leave it out, and then has it at zero.
+    pub optional: bool,
     /// Reads the number.
     pub get: fn(&Parameters) -> f64,
     /// Writes the number.
@@ -72,6 +74,7 @@ macro_rules! parameters {
                 name: $name,
                 unit: $unit,
                 allowed: Allowed::$allowed,
+                optional: false,
                 get: |p| p.$section.$field,
                 set: |p, value| p.$section.$field = value,
             }, )*)*
@@ -84,14 +87,20 @@ macro_rules! parameters {
                 name: $key_name,
                 unit: $key_unit,
                 allowed: Allowed::$key_allowed,
+                optional: true,
                 get: |p| p.$optional.$key,
                 set: |p, value| p.$optional.$key = value,
             }, )*)*
         ];
 
         impl Parameters {
-            /// Builds the parameters by asking `lookup` for every field of [`FIELDS`], in that order; those of
-            /// [`OPTIONAL_FIELDS`] are zero.
+            /// Every number: [`FIELDS`], and after them [`OPTIONAL_FIELDS`].
+            pub fn fields() -> impl Iterator<Item = &'static Field> {
+                FIELDS.iter().chain(OPTIONAL_FIELDS)
+            }
+
+            /// Builds the parameters by asking `lookup` for every one of [`fields`](Self::fields), in that order. For one that is
+            /// [`optional`](Field::optional) and not there it gives 0: a plant without any of them is symmetric.
             ///
             /// # Errors
             /// The first error that `lookup` returns.
@@ -99,11 +108,11 @@ macro_rules! parameters {
                 layout: TetherLayout,
                 mut lookup: impl FnMut(&'static Field) -> Result<f64, E>,
             ) -> Result<Self, E> {
-                let mut fields = FIELDS.iter();
+                let mut fields = Self::fields();
                 let mut next = || fields.next().map_or(Ok(f64::NAN), &mut lookup);
                 Ok(Self {
                     $( $section: $Section { $( $field: next()?, )* }, )*
-                    $( $optional: $Optional::default(), )*
+                    $( $optional: $Optional { $( $key: next()?, )* }, )*
                     layout,
                 })
             }
@@ -189,7 +198,7 @@ parameters! {
         /// Aerodynamic center above the root, at factor 1; grows with the square root of the factor.
         offset_height_m = "offset_height", "m", Finite;
         /// Incidence, positive leading edge up.
-        incidence_rad = "incidence", "rad", Finite;
+        incidence_rad = "incidence", "rad", ShortOfHalfTurn;
         /// `C_D0`.
         drag_zero_lift = "drag_zero_lift", "1", NonNegative;
         /// `K` of `C_D = C_D0 + K C_L²`.
@@ -277,8 +286,8 @@ parameters! {
         /// Aerodynamic centers of the halves of the horizontal stabilizer to either side of the plane of symmetry, at factor 1;
         /// grows with the square root of the factor.
         offset_lateral_m = "offset_lateral", "m", NonNegative;
-        /// Incidence of the starboard half less that of the port half; short of a half turn. The mean is `incidence`.
-        incidence_difference_rad = "incidence_difference", "rad", Finite;
+        /// Incidence of the starboard half less that of the port half. The mean is `incidence`.
+        incidence_difference_rad = "incidence_difference", "rad", ShortOfHalfTurn;
         /// `C_Lα` of the starboard half less that of the port half. The mean is `lift_slope`.
         lift_slope_difference_per_rad = "lift_slope_difference", "1/rad", Finite;
         /// How much longer the center line is than its winch says.
@@ -296,25 +305,14 @@ impl Parameters {
     /// # Errors
     /// [`Error::Parameter`] for the first number that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
-        for field in FIELDS.iter().chain(OPTIONAL_FIELDS) {
+        for field in Self::fields() {
             let value = (field.get)(self);
             if !field.allowed.admits(value) {
                 return Err(field.error(value, field.allowed.words()));
             }
         }
         self.check_inertia()?;
-        self.check_products()?;
-        let difference = self.asymmetry.incidence_difference_rad;
-        if difference.abs() >= core::f64::consts::PI {
-            return Err(Error::Parameter {
-                section: "asymmetry",
-                name: "incidence_difference",
-                value: difference,
-                unit: "rad",
-                allowed: "short of a half turn to either side",
-            });
-        }
-        Ok(())
+        self.check_products()
     }
 
     /// The moments of inertia and the product in the plane of symmetry.
@@ -388,6 +386,6 @@ impl Field {
     /// The field `section.name`, optional or not, if there is one.
     #[must_use]
     pub fn find(section: &str, name: &str) -> Option<&'static Self> {
-        FIELDS.iter().chain(OPTIONAL_FIELDS).find(|field| field.section == section && field.name == name)
+        Parameters::fields().find(|field| field.section == section && field.name == name)
     }
 }

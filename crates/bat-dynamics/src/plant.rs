@@ -46,7 +46,8 @@ impl Fidelity {
 
 /// Number of lines.
 pub(crate) const N_LINES: f64 = 3.0;
-/// An angle of attack never reaches it: no stall.
+/// An angle of attack never reaches it, so that there is no stall: that of the flow is within a half turn, and so are the incidence of
+/// a stabilizer and the difference of its halves, of which each has half.
 const NO_STALL_RAD: f64 = 16.0;
 
 macro_rules! plant {

@@ -8,11 +8,11 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tensions<T = f64> {
     /// Line 1.
-    pub center: T,
+    pub center_n: T,
     /// Line 2.
-    pub starboard: T,
+    pub starboard_n: T,
     /// Line 3.
-    pub port: T,
+    pub port_n: T,
 }
 
 /// A line that a tether model without slack cannot describe.
@@ -28,13 +28,13 @@ impl Tensions {
     /// The lines by name.
     #[must_use]
     pub fn named(&self) -> [(&'static str, f64); 3] {
-        [("center", self.center), ("starboard", self.starboard), ("port", self.port)]
+        [("center", self.center_n), ("starboard", self.starboard_n), ("port", self.port_n)]
     }
 
     /// The smallest of the three: the margin to slack.
     #[must_use]
     pub fn margin_n(&self) -> f64 {
-        self.center.min(self.starboard).min(self.port)
+        self.center_n.min(self.starboard_n).min(self.port_n)
     }
 
     /// The line with the most negative tension, if any is below zero.
@@ -53,5 +53,5 @@ pub(crate) fn tensions<T: Real>(plant: &Plant<T>, pose: &Pose<T>, supplied: [T; 
     let roll = plant.per_lat * pose.cos_roll * pose.cos_roll * supplied[2];
     let mean = supplied[0] * T::constant(1.0 / 3.0);
     let aft = T::constant(0.5) * pitch - mean;
-    Tensions { center: -(mean + pitch), starboard: aft + roll, port: aft - roll }
+    Tensions { center_n: -(mean + pitch), starboard_n: aft + roll, port_n: aft - roll }
 }

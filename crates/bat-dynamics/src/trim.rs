@@ -93,13 +93,13 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
 /// [`Error::Argument`] for lengths that are not finite and positive, or, where the plant is symmetric, for a starboard line that
 /// is not as long as the port line: the body would rest rolled and turned. [`Error::NoTrim`] with the reason when there is no
 /// equilibrium.
-pub fn trim_with_lines(plant: &Plant, flow: &Flow, lines_m: [f64; 3]) -> Result<Trim, Error> {
+pub fn trim_with_lines(plant: &Plant, lines_m: [f64; 3], flow: &Flow) -> Result<Trim, Error> {
     flow.validate()?;
     if let Some(&value) = lines_m.iter().find(|line| !(line.is_finite() && **line > 0.0)) {
         return Err(Error::Argument { name: "length of a line in m", value, allowed: "finite and more than zero" });
     }
     if plant.lopsided {
-        return trim_lopsided_with_lines(plant, flow, lines_m);
+        return trim_lopsided_with_lines(plant, lines_m, flow);
     }
     let [length, induced_pitch, induced_roll] = driven_of_lines(plant, lines_m);
     if induced_roll.abs() > LEVEL_RAD {
@@ -115,7 +115,7 @@ pub fn trim_with_lines(plant: &Plant, flow: &Flow, lines_m: [f64; 3]) -> Result<
 }
 
 /// From the equilibrium without the asymmetry, with starboard and port at their mean.
-fn trim_lopsided_with_lines(plant: &Plant, flow: &Flow, lines_m: [f64; 3]) -> Result<Trim, Error> {
+fn trim_lopsided_with_lines(plant: &Plant, lines_m: [f64; 3], flow: &Flow) -> Result<Trim, Error> {
     let even = plant.with_asymmetry(0.0);
     let aft = 0.5 * (lines_m[1] + lines_m[2]);
     let [length, induced_pitch, _] = driven_of_lines(&even, [lines_m[0], aft, aft]);

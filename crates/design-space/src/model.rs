@@ -181,13 +181,7 @@ impl Model {
     /// r(x) into a slice of [`n_terms`](Self::n_terms) values; lengths are the caller's duty.
     pub fn fill_regressor(&self, point: &[f64], values: &mut [f64]) {
         for (value, term) in values.iter_mut().zip(&self.terms) {
-            let mut product = 1.0;
-            for (&exponent, &x) in term.exponents().iter().zip(point) {
-                for _ in 0..exponent {
-                    product *= x;
-                }
-            }
-            *value = product;
+            *value = term.value(point);
         }
     }
 }

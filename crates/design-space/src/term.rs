@@ -36,9 +36,18 @@ impl Term {
     }
 
     /// The monomial at a coded point with as many coordinates as there are exponents.
+    ///
+    /// Coordinates are multiplied one after the other, so that it has the same bits on every machine.
     #[must_use]
+    #[inline]
     pub fn value(&self, point: &[f64]) -> f64 {
-        self.exponents.iter().zip(point).map(|(&exponent, &x)| x.powi(i32::from(exponent))).product()
+        let mut product = 1.0;
+        for (&exponent, &x) in self.exponents.iter().zip(point) {
+            for _ in 0..exponent {
+                product *= x;
+            }
+        }
+        product
     }
 
     /// Readable form with these names of the factors, `"1"` for the constant.

@@ -2,13 +2,15 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::wording::combination;
 
 /// A term that is a linear combination of earlier terms on every point looked at.
 ///
 /// Terms earlier in the model are kept, so dropping the `term` of each confounding leaves a model that can be
 /// estimated, with the lower-order terms in it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Confounding {
     /// Index of the dependent term.
     pub term: usize,

@@ -113,7 +113,7 @@ impl fmt::Display for Criterion {
 }
 
 /// How good a design is by one criterion.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Efficiency {
     /// Which criterion.
     pub criterion: Criterion,

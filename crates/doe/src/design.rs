@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::check_points;
-use crate::same::{SAME_RUN, unite};
+use crate::same::{is_same_run, is_within, unite};
 use crate::{Error, Region, Space};
 
 /// An ordered list of runs in coded coordinates: n_runs × n_factors, row by row.
@@ -124,17 +124,16 @@ impl Design {
 
     /// Number of distinct points, to within the tolerance of [`Replicates`](crate::Replicates).
     pub(crate) fn n_distinct(&self) -> usize {
-        self.twins(SAME_RUN).iter().filter(|twins| twins.is_none()).count()
+        self.twins().iter().filter(|twins| twins.is_none()).count()
     }
 
-    /// The first and the last run before each that are the same point to within `tolerance`; none where there is none.
+    /// The first and the last run before each that are its replicates; none where there is none.
     /// Of thousands of runs their pairs would fill the memory.
-    pub(crate) fn twins(&self, tolerance: f64) -> Vec<Option<(usize, usize)>> {
+    pub(crate) fn twins(&self) -> Vec<Option<(usize, usize)>> {
         let runs: Vec<&[f64]> = self.runs().collect();
-        let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= tolerance);
         let twins = |(index, run): (usize, &&[f64])| {
-            let first = runs[..index].iter().position(|other| same(other, run))?;
-            let last = runs[..index].iter().rposition(|other| same(other, run))?;
+            let first = runs[..index].iter().position(|other| is_same_run(other, run))?;
+            let last = runs[..index].iter().rposition(|other| is_same_run(other, run))?;
             Some((first, last))
         };
         runs.iter().enumerate().map(twins).collect()
@@ -144,9 +143,8 @@ impl Design {
     #[must_use]
     pub fn replicates(&self, tolerance: f64) -> Vec<(usize, usize)> {
         let runs: Vec<&[f64]> = self.runs().collect();
-        let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= tolerance);
         let pairs = (0..runs.len()).flat_map(|i| (i + 1..runs.len()).map(move |j| (i, j)));
-        pairs.filter(|&(i, j)| same(runs[i], runs[j])).collect()
+        pairs.filter(|&(i, j)| is_within(tolerance, runs[i], runs[j])).collect()
     }
 
     /// Nothing if every run belongs to the space.

@@ -149,7 +149,7 @@ pub enum Error {
     },
     /// A forbidden box that, along one factor, holds nothing of the space: it forbids nothing.
     #[error(
-        "forbidden box {}: the range {lower:?} to {upper:?} of factor {} forbids nothing, expected {allowed}",
+        "forbidden box {}: the range {lower:?} to {upper:?} of factor {} forbids nothing, expected {expected}",
         number + 1,
         factor + 1
     )]
@@ -163,7 +163,7 @@ pub enum Error {
         /// Upper end given.
         upper: f64,
         /// What would forbid something.
-        allowed: String,
+        expected: String,
     },
     /// More levels than an axis is stored with.
     #[error("{count} levels, expected at most {most}: a finer axis is better taken as continuous")]
@@ -249,14 +249,14 @@ pub enum Error {
         n_points: u64,
     },
     /// A setting of a search outside what is allowed.
-    #[error("the setting `{name}` is {value:?}, expected {allowed}")]
+    #[error("the setting `{name}` is {value:?}, expected {expected}")]
     Setting {
         /// Name of the setting.
         name: &'static str,
         /// The value given.
         value: f64,
-        /// What was allowed.
-        allowed: &'static str,
+        /// What is expected.
+        expected: &'static str,
     },
     /// No start of a search led to a usable design.
     #[error("{}", no_design(*starts))]

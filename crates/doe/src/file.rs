@@ -5,7 +5,6 @@ use std::io::{Read, Write};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::same::SAME_RUN;
 use crate::{Design, Error, FileFault, Levels, Parameter, Region, Space};
 
 /// A design as a file gave it.
@@ -137,7 +136,7 @@ impl Design {
             Some((first, _)) => format!("replicate of {}", first + 1),
             None => "new".to_owned(),
         };
-        let kinds = self.twins(SAME_RUN).into_iter().enumerate().map(kind);
+        let kinds = self.twins().into_iter().enumerate().map(kind);
         self.write(region, order, Some(kinds.collect()), writer)
     }
 
@@ -208,7 +207,7 @@ impl Design {
     fn visits(&self) -> Vec<(usize, usize)> {
         let mut labels: Vec<(usize, usize)> = Vec::with_capacity(self.n_runs());
         let mut n_points = 0;
-        for twins in self.twins(SAME_RUN) {
+        for twins in self.twins() {
             match twins {
                 Some((_, last)) => labels.push((labels[last].0, labels[last].1 + 1)),
                 None => {

@@ -7,7 +7,12 @@ pub(crate) const SAME_RUN: f64 = 1e-6;
 
 /// Whether two runs are replicates of each other.
 pub(crate) fn is_same_run(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(x, y)| (x - y).abs() <= SAME_RUN)
+    is_within(SAME_RUN, a, b)
+}
+
+/// Whether no coordinate of two runs differs by more than a tolerance.
+pub(crate) fn is_within(tolerance: f64, a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(x, y)| (x - y).abs() <= tolerance)
 }
 
 /// Two of these points that are the same run, by index and the earlier first; none if all are distinct.

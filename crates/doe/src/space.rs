@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Serialize, Serializer};
+
 use crate::error::{check_count, check_points};
 use crate::measure::Measure;
 use crate::same::{SAME, SAME_RUN};
@@ -168,8 +170,8 @@ impl Space {
         };
         for (number, forbidden) in forbidden.iter().enumerate() {
             for (factor, range) in forbidden.ranges().iter().enumerate() {
-                if let (Some(allowed), &Some([lower, upper])) = (missing(forbidden, factor), range) {
-                    return Err(Error::ForbidsNoPoint { number, factor, lower, upper, allowed });
+                if let (Some(expected), &Some([lower, upper])) = (missing(forbidden, factor), range) {
+                    return Err(Error::ForbidsNoPoint { number, factor, lower, upper, expected });
                 }
             }
         }
@@ -279,6 +281,13 @@ pub enum Over {
         /// Number of candidates.
         n_points: usize,
     },
+}
+
+/// As [`Display`](fmt::Display) writes it.
+impl Serialize for Over {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 impl fmt::Display for Over {

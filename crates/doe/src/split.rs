@@ -42,7 +42,7 @@ pub struct SplitSettings {
 }
 
 /// Runs to fit with and runs to check with, by index, each rising.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Split {
     /// Runs to fit with.
     pub training: Vec<usize>,

@@ -1,6 +1,6 @@
 //! Flights of the turbine, many at once.
 
-use bat_dynamics::{FIELDS, Fidelity, OPTIONAL_FIELDS};
+use bat_dynamics::{Fidelity, Parameters};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -162,8 +162,7 @@ fn place(name: &str) -> PyResult<Place> {
         "vertical_area" => "vertical_stabilizer.area_factor",
         other => other,
     };
-    let mut fields = FIELDS.iter().chain(OPTIONAL_FIELDS);
-    let field = fields.find(|field| path.split_once('.') == Some((field.section, field.name)));
+    let field = Parameters::fields().find(|field| path.split_once('.') == Some((field.section, field.name)));
     field.map(Place::Field).ok_or_else(|| {
         Error::new_err(format!(
             "variable `{name}`: it must be center_of_mass (% chord), pitch_set_point (deg), horizontal_area, vertical_area, or \

@@ -80,13 +80,25 @@ pub enum Error {
         /// What it means, as factor and dimension.
         meaning: String,
     },
+    /// A base whose dimension some unit has already.
+    #[error(
+        "the dimension `{dimension}` of the base `{symbol}` is not new, `{unit}` has it: give it another name with `base_as`"
+    )]
+    DimensionExists {
+        /// The symbol of the base.
+        symbol: String,
+        /// The dimension.
+        dimension: String,
+        /// A unit that has it.
+        unit: String,
+    },
     /// A system without variables.
     #[error("there are no variables")]
     NoVariables,
     /// A name given twice.
     #[error("`{name}` is given twice as a {what}")]
     Duplicate {
-        /// `variable`, `repeating variable`, `ratio` or `set-up`.
+        /// `variable`, `repeating variable`, `factor of the group`, `ratio` or `set-up`.
         what: &'static str,
         /// The name.
         name: String,
@@ -137,6 +149,24 @@ pub enum Error {
         group: String,
         /// Its dimension.
         dimension: String,
+    },
+    /// The exponent of a variable in a group that is read from a file.
+    #[error("the exponent of `{name}` is {exponent}, expected a whole number or a fraction, other than 0")]
+    BadExponent {
+        /// The variable.
+        name: String,
+        /// The exponent as it stands there.
+        exponent: String,
+    },
+    /// Groups that are read from a file, and are not those of their system.
+    #[error("the groups are {}, expected {}, as {repeating} give them", in_words(found), in_words(expected))]
+    OtherGroups {
+        /// The repeating variables, as a list in words.
+        repeating: String,
+        /// The groups read.
+        found: Vec<String>,
+        /// The groups of the system, whose inverses would do as well.
+        expected: Vec<String>,
     },
     /// A value is missing in a set-up.
     #[error("set-up \"{set_up}\" gives no value for {variable}, which {group} needs")]

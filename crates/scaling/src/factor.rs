@@ -17,7 +17,7 @@ use crate::parse::{Atom, parse};
 
 /// A positive number, held exactly as a product of integers to rational powers and a power of pi.
 ///
-/// Products, quotients and powers are exact, equality is exact, and perfect powers come out as such:
+/// Products, quotients and powers are exact, equality is exact, and perfect powers come out as such: `100^(1/2)` is 10.
 ///
 /// # Rounding
 /// Everything is exact except the f64 that goes in and the f64 that comes out.
@@ -157,7 +157,7 @@ impl Factor {
     ///
     /// If the product has at most 15 digits, the inverse factor therefore returns the number bit for bit.
     /// Otherwise it returns it within one unit in the last place, or two where the rounded product or the way back
-    /// happens to be such a short decimal; no rule can promise one unit always, see the README.
+    /// happens to be such a short decimal; no rule can promise one unit always, as is said of [`Factor`].
     /// Zero, infinities and NaN come back as they are.
     #[must_use]
     pub fn apply(&self, value: f64) -> f64 {

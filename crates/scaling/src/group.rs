@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::exponents::{Exponents, write_quotient};
 use crate::number::{product_of_powers, shortest_decimal};
 use crate::set_up::SetUp;
-use crate::system::Variable;
+use crate::system::{Variable, check_name};
 
 /// A dimensionless product of powers of variables.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -108,10 +108,20 @@ impl fmt::Display for Group {
 }
 
 impl TryFrom<Vec<(String, String)>> for Group {
-    type Error = num_rational::ParseRatioError;
-    fn try_from(factors: Vec<(String, String)>) -> Result<Self, Self::Error> {
-        let factors = factors.into_iter().map(|(name, exponent)| Ok((name, exponent.parse()?)));
-        Ok(Self { factors: factors.collect::<Result<_, Self::Error>>()? })
+    type Error = Error;
+    fn try_from(texts: Vec<(String, String)>) -> Result<Self, Error> {
+        let mut factors: Vec<(String, BigRational)> = Vec::with_capacity(texts.len());
+        for (name, exponent) in texts {
+            check_name(&name)?;
+            if factors.iter().any(|(other, _)| *other == name) {
+                return Err(Error::Duplicate { what: "factor of the group", name });
+            }
+            match exponent.parse::<BigRational>() {
+                Ok(power) if !power.is_zero() => factors.push((name, power)),
+                _ => return Err(Error::BadExponent { name, exponent }),
+            }
+        }
+        Ok(Self { factors })
     }
 }
 

@@ -25,6 +25,7 @@ pub enum Orientation {
 
 /// Independent groups of a system, from which all others are products of powers.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "UncheckedGroups")]
 pub struct Groups {
     system: System,
     repeating: Vec<String>,
@@ -192,6 +193,32 @@ impl Groups {
             let _ = theirs.insert(&group.to_string(), &group.exponents());
         }
         theirs.rank() == span.rank()
+    }
+}
+
+/// Groups as they stand in a file.
+#[derive(serde::Deserialize)]
+#[serde(rename = "Groups")]
+struct UncheckedGroups {
+    system: System,
+    repeating: Vec<String>,
+    groups: Vec<Group>,
+}
+
+impl TryFrom<UncheckedGroups> for Groups {
+    type Error = Error;
+
+    /// The groups of the system, if they are those that were read, above or below the line.
+    fn try_from(read: UncheckedGroups) -> Result<Self, Error> {
+        let repeating: Vec<&str> = read.repeating.iter().map(String::as_str).collect();
+        let above = read.system.groups(&repeating)?;
+        let below = above.clone().oriented(Orientation::Below);
+        if let Some(own) = [&above, &below].into_iter().find(|own| own.groups == read.groups) {
+            return Ok(own.clone());
+        }
+        let written = |groups: &[Group]| groups.iter().map(ToString::to_string).collect();
+        let (found, expected) = (written(&read.groups), written(&above.groups));
+        Err(Error::OtherGroups { repeating: in_words(&repeating), found, expected })
     }
 }
 

@@ -124,7 +124,7 @@ impl System {
     }
 }
 
-fn check_name(name: &str) -> Result<(), Error> {
+pub(crate) fn check_name(name: &str) -> Result<(), Error> {
     let begins = name.chars().next().is_some_and(begins_symbol);
     let forbidden = |c: char| c.is_whitespace() || matches!(c, '*' | '/' | '(' | ')' | '·' | '×' | '⋅');
     let powers = name.split('^').skip(1).all(|after| after.chars().next().is_some_and(begins_symbol));

@@ -258,7 +258,7 @@ impl Units {
     /// Adds a base: a unit that is the coherent unit of a new dimension of the same name.
     ///
     /// # Errors
-    /// [`Error::BadName`] or [`Error::UnitExists`].
+    /// [`Error::BadName`], [`Error::UnitExists`], or [`Error::DimensionExists`]: the SI has a dimension `M` already.
     pub fn base(&mut self, symbol: &str) -> Result<&mut Self, Error> {
         self.base_as(symbol, symbol)
     }
@@ -266,9 +266,25 @@ impl Units {
     /// Adds a base whose dimension has another name than its unit: `("bit", "information")`.
     ///
     /// # Errors
-    /// [`Error::BadName`] or [`Error::UnitExists`].
+    /// Those of [`base`](Self::base).
     pub fn base_as(&mut self, symbol: &str, dimension: &str) -> Result<&mut Self, Error> {
-        self.add(symbol, Unit { factor: Factor::one(), dimension: Dimension::base(dimension)? })
+        let unit = Unit { factor: Factor::one(), dimension: Dimension::base(dimension)? };
+        if self.find(symbol).is_none()
+            && let Some(known) = self.unit_of(&unit.dimension)
+        {
+            let (symbol, unit) = (symbol.to_owned(), known.to_owned());
+            return Err(Error::DimensionExists { symbol, dimension: dimension.to_owned(), unit });
+        }
+        self.add(symbol, unit)
+    }
+
+    /// A known unit in whose dimension this one stands, if there is one: that which has it alone and takes prefixes goes first.
+    fn unit_of(&self, dimension: &Dimension) -> Option<&str> {
+        let holds =
+            |known: &Known| dimension.bases().all(|base| known.unit.dimension.bases().any(|other| other == base));
+        let rank = |known: &Known| (known.unit.dimension != *dimension, !known.prefixes);
+        let known = self.known.iter().filter(|(_, known)| holds(known));
+        known.min_by_key(|(_, known)| rank(known)).map(|(symbol, _)| symbol.as_str())
     }
 
     /// Reads a unit string.

@@ -89,14 +89,14 @@ pub enum Error {
         n_points: usize,
     },
     /// A parameter of a surface outside what is allowed.
-    #[error("`{name}` is {value:?}, expected {allowed}")]
+    #[error("`{name}` is {value:?}, expected {expected}")]
     Parameter {
         /// Name of the parameter.
         name: &'static str,
         /// The value given.
         value: f64,
-        /// What was allowed.
-        allowed: &'static str,
+        /// What is expected.
+        expected: &'static str,
     },
     /// Fewer points with a weight than the model has terms.
     #[error("{n_points} points of positive weight cannot determine {n_terms} terms, expected at least {n_terms}")]

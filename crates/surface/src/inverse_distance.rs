@@ -81,7 +81,7 @@ impl InverseDistance {
         if power > 0.0 && power <= Self::LARGEST_POWER {
             return Ok(());
         }
-        Err(Error::Parameter { name: "power", value: power, allowed: "a number above 0, at most 100" })
+        Err(Error::Parameter { name: "power", value: power, expected: "a number above 0, at most 100" })
     }
 
     /// The data it was fitted to.

@@ -1,5 +1,6 @@
 //! Whether a regression misses more than the scatter of repeats explains.
 
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::{Error, Regression};
@@ -16,7 +17,7 @@ const ROUNDING: f64 = 1e-13;
 /// lack of fit    Σ w (J̄_place − Ĵ)²           m − p
 /// F = (lack of fit/(m − p)) / (pure error/(n − m))
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct LackOfFit {
     /// Weighted sum of squares of the values about the weighted mean of their place.

@@ -69,7 +69,7 @@ impl SquaredExponential {
         if (least..=most).contains(&scale) {
             return Ok(());
         }
-        Err(Error::Parameter { name: "scale", value: scale, allowed: "a number from 1e-100 to 1e100" })
+        Err(Error::Parameter { name: "scale", value: scale, expected: "a number from 1e-100 to 1e100" })
     }
 
     /// A surface with the scale that predicts each place best from the other places.

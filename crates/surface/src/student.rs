@@ -1,5 +1,6 @@
 //! What Student's t says of a regression: tests and intervals of its coefficients, intervals of the response.
 
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::{Error, Regression, Surface};
@@ -7,7 +8,7 @@ use crate::{Error, Regression, Surface};
 /// One coefficient of a regression, whether it is other than zero, and where it may be.
 ///
 /// All of it holds for normal errors with the variances that the weights say, and a model that is right.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct CoefficientTest {
     /// b, in the unit of the response by that of the term.
@@ -77,7 +78,7 @@ impl Regression {
     /// Those of [`mean_interval`](Self::mean_interval), [`Error::Parameter`] for a weight that is not a number above zero.
     pub fn observation_interval(&self, point: &[f64], weight: f64, probability: f64) -> Result<[f64; 2], Error> {
         if !(weight > 0.0 && weight.is_finite()) {
-            return Err(Error::Parameter { name: "weight", value: weight, allowed: "a finite number above 0" });
+            return Err(Error::Parameter { name: "weight", value: weight, expected: "a finite number above 0" });
         }
         self.interval(point, weight.recip(), probability)
     }
@@ -109,7 +110,7 @@ impl Student {
     /// How far from zero T is at most with this probability.
     fn quantile(&self, probability: f64) -> Result<f64, Error> {
         if !(probability > 0.0 && probability < 1.0) {
-            return Err(Error::Parameter { name: "probability", value: probability, allowed: "between 0 and 1" });
+            return Err(Error::Parameter { name: "probability", value: probability, expected: "between 0 and 1" });
         }
         let tail = (1.0 - probability) / 2.0;
         Ok(-self.0.inverse_cdf(tail))

@@ -2,15 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Where the three lines leave the body.
-///
-/// Line 1 is the center one, line 2 starboard, line 3 port.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Where the three lines leave the body: line 1 is the center one, line 2 starboard, line 3 port.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TetherLayout {
-    /// The center line is ahead of the other two: a longer center line raises the nose.
+    /// The center line is ahead of the other two, (13) and (14): a longer center line raises the nose.
+    #[default]
     OneForwardTwoAft,
-    /// The center line is behind the other two: a longer center line lowers the nose.
+    /// The center line is behind the other two, Figure 14: a longer center line lowers the nose.
     TwoForwardOneAft,
 }
 

@@ -114,8 +114,8 @@ const N_SUMS: usize = N_TERMS * (N_TERMS + 1) / 2 + 2;
 #[inline(always)]
 fn integrands<T: Real>(state: &FlightState<T>, sight: &Sight<T>, targets: &Targets<T>, water: &Water) -> [T; N_SUMS] {
     let (pitch, roll, altitude) =
-        (sight.pitch - targets.pitch, sight.roll - targets.roll, targets.altitude - sight.altitude);
-    let heading_squared = sight.heading * sight.heading;
+        (sight.pitch_rad - targets.pitch, sight.roll_rad - targets.roll, targets.altitude - sight.altitude_m);
+    let heading_squared = sight.heading_rad * sight.heading_rad;
     let terms = [
         heading_squared,
         pitch * pitch,
@@ -176,13 +176,13 @@ impl Water {
     /// Lateral position y of the center of mass in the ground frame, in m.
     #[inline(always)]
     pub(crate) fn lateral<T: Real>(&self, sight: &Sight<T>) -> T {
-        T::constant(self.sin) * sight.forward + T::constant(self.cos) * sight.right
+        T::constant(self.sin) * sight.forward_m + T::constant(self.cos) * sight.right_m
     }
 
     /// Position x of the center of mass in the ground frame, in m.
     #[inline(always)]
     fn upstream<T: Real>(&self, sight: &Sight<T>) -> T {
-        T::constant(self.cos) * sight.forward - T::constant(self.sin) * sight.right
+        T::constant(self.cos) * sight.forward_m - T::constant(self.sin) * sight.right_m
     }
 }
 
@@ -381,7 +381,7 @@ impl<'a, const N: usize> Memory<'a, N> {
         let estimates =
             if self.has_cameras { observe(&mut self.trackers, &poses(plant, state, water)) } else { [None; N] };
         let seen = sight(plant, state, &water.flow.cast());
-        let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
+        let (altitude, pitch, roll) = (seen.altitude_m.split(), seen.pitch_rad.split(), seen.roll_rad.split());
         let mut commands = [[0.0; N]; 3];
         for lane in 0..N {
             let measured = match &estimates[lane] {
@@ -417,9 +417,9 @@ fn observe<const N: usize>(trackers: &mut [Option<Tracker<'_>>; N], poses: &[Pos
 #[inline(always)]
 fn poses<T: Carrier<N>, const N: usize>(plant: &Plant<T>, state: &FlightState<T>, water: &Water) -> [Pose; N] {
     let seen = sight(plant, state, &water.flow.cast());
-    let (right, up) = (water.lateral(&seen).split(), seen.altitude.split());
+    let (right, up) = (water.lateral(&seen).split(), seen.altitude_m.split());
     let upstream = water.upstream(&seen).split();
-    let (roll, pitch, heading) = (seen.roll.split(), seen.pitch.split(), seen.heading.split());
+    let (roll, pitch, heading) = (seen.roll_rad.split(), seen.pitch_rad.split(), seen.heading_rad.split());
     core::array::from_fn(|lane| Pose {
         position_m: [upstream[lane], right[lane], -up[lane]],
         roll_rad: roll[lane],
@@ -510,9 +510,9 @@ fn read_meters<T: Carrier<N>, const N: usize>(
 ) {
     let (Some(gusts), true) = (gusts, watchers[0].meter.is_some()) else { return };
     let along = gusts.from[0].split();
-    let tensions = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
+    let tensions = [at.tensions.center_n.split(), at.tensions.starboard_n.split(), at.tensions.port_n.split()];
     let reel = [state[9].split(), state[10].split(), state[11].split()];
-    let (pitch, heading) = (at.sight.pitch.split(), at.sight.heading.split());
+    let (pitch, heading) = (at.sight.pitch_rad.split(), at.sight.heading_rad.split());
     for (lane, watcher) in watchers.iter_mut().enumerate() {
         watcher.meter(&Reading {
             speed_m_s: mean_m_s * (1.0 + along[lane]),
@@ -535,8 +535,8 @@ fn look<T: Carrier<N>, const N: usize>(
     settings: &FlightSettings,
 ) {
     let (center, starboard, port) =
-        (at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split());
-    let (zenith, heading) = (state[0].split(), at.sight.heading.split());
+        (at.tensions.center_n.split(), at.tensions.starboard_n.split(), at.tensions.port_n.split());
+    let (zenith, heading) = (state[0].split(), at.sight.heading_rad.split());
     let shortest = state[6].min(state[7]).min(state[8]).split();
     let sum = state.iter().skip(1).fold(state[0], |sum, x| sum + *x).split();
     for (lane, watcher) in watchers.iter_mut().enumerate() {

@@ -89,7 +89,7 @@ impl LogRow {
     pub(crate) fn of<T: Carrier<N>, const N: usize>(sample: &Sample<'_, T, N>, lane: usize, rig: &Rig) -> Self {
         let (sight, tensions) = (&sample.evaluation.sight, &sample.evaluation.tensions);
         let own = |value: T| value.split()[lane];
-        let (altitude_m, roll_rad, pitch_rad) = (own(sight.altitude), own(sight.roll), own(sight.pitch));
+        let (altitude_m, roll_rad, pitch_rad) = (own(sight.altitude_m), own(sight.roll_rad), own(sight.pitch_rad));
         Self {
             time_s: sample.time_s,
             flow_speed_m_s: sample.water.flow.speed_m_s,
@@ -98,13 +98,13 @@ impl LogRow {
             lateral_m: own(sample.water.lateral(sight)),
             roll_rad,
             pitch_rad,
-            heading_rad: own(sight.heading),
+            heading_rad: own(sight.heading_rad),
             pitch_error_rad: pitch_rad - rig.set_points.pitch_rad,
             roll_error_rad: roll_rad - rig.set_points.roll_rad,
             altitude_error_m: rig.set_points.altitude_m - altitude_m,
             state: sample.state.map(own),
             commands_m_s: sample.control.commands.map(|line| line[lane]),
-            tensions_n: [tensions.center, tensions.starboard, tensions.port].map(own),
+            tensions_n: [tensions.center_n, tensions.starboard_n, tensions.port_n].map(own),
             estimate: sample.control.estimates[lane],
         }
     }

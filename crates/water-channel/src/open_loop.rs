@@ -45,7 +45,7 @@ pub fn open_loop_modes(request: &FlightRequest, flows: &[Flow]) -> Result<Vec<Op
     flows
         .iter()
         .map(|flow| {
-            let trim = trim_with_lines(&plant, flow, lines_m)?;
+            let trim = trim_with_lines(&plant, lines_m, flow)?;
             let linear = linearize(&plant, &trim.state, [0.0; 3], flow)?;
             Ok(OpenLoop { trim, modes: modes(&linear.among(&Linearization::FREE))? })
         })

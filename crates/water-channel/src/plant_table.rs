@@ -25,16 +25,14 @@ struct Section {
 
 static SECTIONS: LazyLock<Vec<Section>> = LazyLock::new(|| {
     let mut first = 0;
-    let mut section = |fields: &'static [Field], optional: bool| {
+    let section = |fields: &'static [Field]| {
         let layout = (fields[0].section == LAYOUT_SECTION).then_some(LAYOUT);
         let keys = fields.iter().map(|field| field.name).chain(layout).collect();
         first += fields.len();
-        Section { fields, keys, first: first - fields.len(), optional }
+        Section { fields, keys, first: first - fields.len(), optional: fields[0].optional }
     };
     let same = |a: &Field, b: &Field| a.section == b.section;
-    let mut sections: Vec<Section> = FIELDS.chunk_by(same).map(|fields| section(fields, false)).collect();
-    sections.extend(OPTIONAL_FIELDS.chunk_by(same).map(|fields| section(fields, true)));
-    sections
+    FIELDS.chunk_by(same).chain(OPTIONAL_FIELDS.chunk_by(same)).map(section).collect()
 });
 
 static NAMES: LazyLock<Vec<&'static str>> =
@@ -43,7 +41,7 @@ static NAMES: LazyLock<Vec<&'static str>> =
 /// The plant's parameters, each within its own range.
 pub(crate) struct PlantTable(pub(crate) Parameters);
 
-/// What was read so far, by the position of each field in [`FIELDS`] and after them [`OPTIONAL_FIELDS`].
+/// What was read so far, by the position of each field in [`Parameters::fields`].
 struct Gathered {
     values: Vec<Option<f64>>,
     layout: Option<TetherLayout>,
@@ -65,7 +63,7 @@ impl<'de> Visitor<'de> for Sections {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<PlantTable, A::Error> {
-        let mut gathered = Gathered { values: vec![None; FIELDS.len() + OPTIONAL_FIELDS.len()], layout: None };
+        let mut gathered = Gathered { values: vec![None; Parameters::fields().count()], layout: None };
         let mut seen = vec![false; SECTIONS.len()];
         while let Some(index) = map.next_key_seed(OneOf(&NAMES))? {
             seen[index] = true;
@@ -75,18 +73,15 @@ impl<'de> Visitor<'de> for Sections {
         if let Some(missing) = SECTIONS.iter().zip(&seen).position(lacking) {
             return Err(A::Error::missing_field(NAMES[missing]));
         }
-        let (needed, optional) = gathered.values.split_at(FIELDS.len());
-        let mut values = needed.iter().copied().flatten();
+        let mut values = gathered.values.iter().copied();
         let layout = gathered.layout.unwrap_or_default();
-        // Every section is complete, so that there is a value for every field.
-        let lookup = |field: &'static Field| values.next().ok_or_else(|| A::Error::missing_field(field.name));
-        let mut parameters = Parameters::from_fields(layout, lookup)?;
-        for (field, value) in OPTIONAL_FIELDS.iter().zip(optional) {
-            if let Some(value) = value {
-                (field.set)(&mut parameters, *value);
-            }
-        }
-        Ok(PlantTable(parameters))
+        // Every section is complete, so that there is a value for every field that has to have one.
+        let lookup = |field: &'static Field| match values.next().flatten() {
+            Some(value) => Ok(value),
+            None if field.optional => Ok(0.0),
+            None => Err(A::Error::missing_field(field.name)),
+        };
+        Ok(PlantTable(Parameters::from_fields(layout, lookup)?))
     }
 }
 

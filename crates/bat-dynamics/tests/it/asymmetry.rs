@@ -116,14 +116,14 @@ fn trims_match_a_root_search_on_newton_and_euler() {
         check(case, "tensions", &found.tensions.named().map(|line| line.1), 1e-10);
         assert!((found.state[7] - found.state[8]).abs() < 1e-12, "winches at the same length: {:?}", found.state);
         let seen = sight(&plant, &found.state, &request.flow);
-        let attitude = [seen.roll, seen.pitch, seen.heading + request.flow.direction_rad];
+        let attitude = [seen.roll_rad, seen.pitch_rad, seen.heading_rad + request.flow.direction_rad];
         check(case, "attitude", &attitude, 1e-10);
         for (k, rate) in evaluate(&plant, &found.state, [0.0; 3], &request.flow).derivative.into_iter().enumerate() {
             assert!(rate.abs() < 1e-9, "rate {k} at trim: {rate}");
         }
         // The same lines, held.
         let lines = array(&case["lines"]);
-        let held = trim_with_lines(&plant, &request.flow, lines).unwrap();
+        let held = trim_with_lines(&plant, lines, &request.flow).unwrap();
         for k in 0..12 {
             assert!((held.state[k] - found.state[k]).abs() < 1e-8, "state {k} with held lines");
         }
@@ -302,7 +302,7 @@ fn longer_port_line_lowers_starboard_at_equal_winches() {
     let flow = Flow::straight(0.245);
     let request = TrimRequest { flow, pitch_rad: 0.2, height: TrimHeight::Altitude(0.61) };
     let seen = sight(&plant, &trim(&plant, &request).unwrap().state, &flow);
-    assert!(seen.roll > 0.02 && (seen.pitch - 0.2).abs() < 1e-10, "{seen:?}");
+    assert!(seen.roll_rad > 0.02 && (seen.pitch_rad - 0.2).abs() < 1e-10, "{seen:?}");
 }
 
 #[test]

@@ -30,7 +30,11 @@ fn level_gust_is_a_flow_of_another_speed_and_direction() {
             assert!((a - b).abs() < 1e-12, "{line}: {b} N instead of {a} N");
         }
         let seen = sight(&plant, &state, &flow);
-        assert_eq!([found.sight.heading, found.sight.right], [seen.heading, seen.right], "seen from the mean flow");
+        assert_eq!(
+            [found.sight.heading_rad, found.sight.right_m],
+            [seen.heading_rad, seen.right_m],
+            "seen from the mean flow"
+        );
     }
 }
 

@@ -88,8 +88,8 @@ fn power_of_fluid_and_winches_is_the_rate_of_energy() {
             let fluid: f64 =
                 generalized_forces(&plant, &q, &rate, &flow(t)).iter().zip(rate).map(|(tau, q)| tau * q).sum();
             // A line that is paid out under tension takes energy out of the body.
-            let Tensions { center, starboard, port } = at.tensions;
-            let winches = -(center * state[9] + starboard * state[10] + port * state[11]);
+            let Tensions { center_n, starboard_n, port_n } = at.tensions;
+            let winches = -(center_n * state[9] + starboard_n * state[10] + port_n * state[11]);
             let mut derivative = [0.0; 13];
             derivative[..12].copy_from_slice(&at.derivative);
             derivative[12] = fluid + winches;

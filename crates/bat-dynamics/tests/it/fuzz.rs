@@ -17,7 +17,7 @@ fn parameters(seed: u64, hull_moments: bool) -> Parameters {
             Allowed::Positive | Allowed::AcuteAngle => sample.within(0.5, 2.0),
             Allowed::NonNegative if sample.within(0.0, 1.0) < 0.1 => 0.0,
             Allowed::NonNegative => sample.within(0.0, 3.0),
-            Allowed::Finite => sample.within(-2.0, 3.0),
+            Allowed::Finite | Allowed::ShortOfHalfTurn => sample.within(-2.0, 3.0),
         };
         (field.set)(&mut p, value * factor);
     }

@@ -1,8 +1,8 @@
 //! Parameters and states: what is refused, and how it is told.
 
 use bat_dynamics::{
-    Allowed, Error, FIELDS, Fidelity, Field, Flow, Parameters, Plant, SINGULAR_SIN_ZENITH, STATE_NAMES, STATE_UNITS,
-    TetherLayout, accelerations, check_state, evaluate,
+    Allowed, Error, FIELDS, Fidelity, Field, Flow, OPTIONAL_FIELDS, Parameters, Plant, SINGULAR_SIN_ZENITH,
+    STATE_NAMES, STATE_UNITS, TetherLayout, accelerations, check_state, evaluate,
 };
 
 use crate::plants::{everything, rig};
@@ -23,12 +23,13 @@ fn refused(parameters: &Parameters, section: &str, name: &str) -> String {
 
 #[test]
 fn every_parameter_is_checked_against_its_range() {
-    for field in FIELDS {
+    for field in Parameters::fields() {
         let outside: &[f64] = match field.allowed {
             Allowed::Finite => &[],
             Allowed::NonNegative => &[-1e-9, -1.0],
             Allowed::Positive => &[0.0, -1.0],
             Allowed::AcuteAngle => &[0.0, -0.1, 1.6],
+            Allowed::ShortOfHalfTurn => &[core::f64::consts::PI, -3.2, 20.0],
         };
         for value in outside.iter().chain(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY]) {
             let mut p = rig();
@@ -40,6 +41,21 @@ fn every_parameter_is_checked_against_its_range() {
     // Zero is a surface that is not there, and a product of inertia has either sign.
     assert!(FIELDS.iter().filter(|f| f.name == "area").all(|f| f.allowed.admits(0.0)), "areas");
     assert!(Field::find("body", "inertia_xz").unwrap().allowed.admits(-1e-5), "inertia_xz");
+}
+
+/// Degrees by mistake: with an incidence of 20 rad the linear model would stall.
+#[test]
+fn an_incidence_of_half_a_turn_and_more_is_refused() {
+    for incidence in [20.0, -20.0, core::f64::consts::PI] {
+        let mut p = rig();
+        p.horizontal_stabilizer.incidence_rad = incidence;
+        let message = refused(&p, "horizontal_stabilizer", "incidence");
+        assert!(message.ends_with("short of a half turn to either side"), "{message}");
+    }
+    let mut p = rig();
+    p.horizontal_stabilizer.incidence_rad = -3.1;
+    p.asymmetry.incidence_difference_rad = 3.1;
+    Plant::new(&p, Fidelity::NUMERICAL).unwrap();
 }
 
 #[test]
@@ -67,19 +83,24 @@ fn inertia_that_no_body_can_have_is_refused() {
 
 #[test]
 fn fields_reach_every_number_by_section_and_name() {
-    let rig = rig();
+    let mut rig = rig();
+    rig.asymmetry.center_of_mass_y_m = 0.002;
+    rig.asymmetry.line_port_m = -0.003;
     let copy = Parameters::from_fields(rig.layout, |field| Ok::<f64, ()>((field.get)(&rig))).unwrap();
-    assert_eq!(copy, rig);
+    assert_eq!(copy, rig, "what sets its sides apart included");
     // No two fields share a place: setting one changes what it reads and nothing else.
-    for field in FIELDS {
+    for field in Parameters::fields() {
         let mut p = rig;
         (field.set)(&mut p, 123.0);
         let changed: Vec<_> =
-            FIELDS.iter().filter(|f| (f.get)(&p) != (f.get)(&rig)).map(|f| (f.section, f.name)).collect();
+            Parameters::fields().filter(|f| (f.get)(&p) != (f.get)(&rig)).map(|f| (f.section, f.name)).collect();
         assert_eq!(changed, [(field.section, field.name)]);
         let found = Field::find(field.section, field.name).unwrap();
         assert_eq!((found.section, found.name, found.unit), (field.section, field.name, field.unit));
     }
+    let is_optional = |field: &&Field| field.optional;
+    assert_eq!(Parameters::fields().filter(is_optional).count(), OPTIONAL_FIELDS.len(), "those of the second list");
+    assert!(FIELDS.iter().all(|field| !field.optional), "and none of the first");
     assert!(Field::find("body", "wingspan").is_none(), "an unknown name");
     let stopped = Parameters::from_fields(TetherLayout::OneForwardTwoAft, |field| {
         if field.name == "volume" { Err(field.section) } else { Ok(1.0) }

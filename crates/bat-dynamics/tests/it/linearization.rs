@@ -30,7 +30,17 @@ fn derivatives_agree_with_central_differences() {
                 }
                 let at = evaluate(&plant, &x, u, &flow);
                 let (s, t) = (at.sight, at.tensions);
-                let out = [s.altitude, s.pitch, s.roll, s.heading, s.right, s.forward, t.center, t.starboard, t.port];
+                let out = [
+                    s.altitude_m,
+                    s.pitch_rad,
+                    s.roll_rad,
+                    s.heading_rad,
+                    s.right_m,
+                    s.forward_m,
+                    t.center_n,
+                    t.starboard_n,
+                    t.port_n,
+                ];
                 SMatrix::<f64, 21, 1>::from_fn(|i, _| if i < 12 { at.derivative[i] } else { out[i - 12] })
             });
             for row in 0..21 {

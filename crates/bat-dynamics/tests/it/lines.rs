@@ -110,14 +110,14 @@ fn tensions_hold_the_moments_at_their_attachments() {
         act(at, f);
     }
     let (long, lateral) = (p.tether.separation_longitudinal_m, p.tether.separation_lateral_m);
-    let Tensions { center, starboard, port } = found.tensions;
-    act(Vector3::new(2.0 / 3.0 * long, 0.0, 0.0), center * Vector3::z());
-    act(Vector3::new(-1.0 / 3.0 * long, 0.5 * lateral, 0.0), starboard * Vector3::z());
-    act(Vector3::new(-1.0 / 3.0 * long, -0.5 * lateral, 0.0), port * Vector3::z());
+    let Tensions { center_n, starboard_n, port_n } = found.tensions;
+    act(Vector3::new(2.0 / 3.0 * long, 0.0, 0.0), center_n * Vector3::z());
+    act(Vector3::new(-1.0 / 3.0 * long, 0.5 * lateral, 0.0), starboard_n * Vector3::z());
+    act(Vector3::new(-1.0 / 3.0 * long, -0.5 * lateral, 0.0), port_n * Vector3::z());
     assert!(force.z.abs() < 1e-12, "left along the tether: {} N", force.z);
     assert!(moment.amax() < 1e-12, "left about the joint: {moment}");
     // In still air and at rest the sum of the lines would be the excess buoyancy; here the lift is added to it.
-    assert!(center + starboard + port > 0.0, "tensions {:?}", found.tensions);
+    assert!(center_n + starboard_n + port_n > 0.0, "tensions {:?}", found.tensions);
 }
 
 #[test]
@@ -200,10 +200,10 @@ fn slack_is_found_at_the_time_of_its_closed_form() {
 
 #[test]
 fn slack_names_the_slackest_line() {
-    let taut = Tensions { center: 0.1, starboard: 0.0, port: 0.2 };
+    let taut = Tensions { center_n: 0.1, starboard_n: 0.0, port_n: 0.2 };
     assert_eq!(taut.slack(), None);
     assert_eq!(taut.margin_n(), 0.0);
-    let two = Tensions { center: 0.1, starboard: -0.2, port: -0.3 };
+    let two = Tensions { center_n: 0.1, starboard_n: -0.2, port_n: -0.3 };
     assert_eq!(two.slack(), Some(Slack { line: "port", tension_n: -0.3 }));
     assert_eq!(two.margin_n(), -0.3);
 }

@@ -15,7 +15,10 @@ fn read_rig() -> Parameters {
     let text = std::fs::read_to_string(path).unwrap();
     let table: toml::Table = text.parse().unwrap();
     Parameters::from_fields(TetherLayout::OneForwardTwoAft, |field| {
-        let entry = &table["plant"][field.section][field.name];
+        let Some(entry) = table["plant"].get(field.section).and_then(|section| section.get(field.name)) else {
+            assert!(field.optional, "the file has no {}.{}", field.section, field.name);
+            return Ok(0.0);
+        };
         let value = entry["value"].as_float().unwrap();
         match (entry["unit"].as_str().unwrap(), field.unit) {
             ("% chord", "chord") => Ok::<f64, ()>(value / 100.0),

@@ -181,7 +181,7 @@ fn lanes_equal_scalar_bit_for_bit() {
                 assert_eq!(wide.0[i].to_bits(), alone.to_bits(), "case {case}, lane {i}, number {k}");
             }
             assert_eq!(sight(&plants[i], &states[i], &flows[i]), alone.sight, "case {case}: the sight by itself");
-            assert_eq!(seen.heading.0[i].to_bits(), alone.sight.heading.to_bits(), "case {case}, lane {i}");
+            assert_eq!(seen.heading_rad.0[i].to_bits(), alone.sight.heading_rad.to_bits(), "case {case}, lane {i}");
         }
     }
 }
@@ -189,7 +189,17 @@ fn lanes_equal_scalar_bit_for_bit() {
 /// Everything that an evaluation holds.
 fn numbers<T: Real>(at: &Evaluation<T>) -> Vec<T> {
     let (t, s) = (at.tensions, at.sight);
-    let rest = [t.center, t.starboard, t.port, s.forward, s.right, s.altitude, s.roll, s.pitch, s.heading];
+    let rest = [
+        t.center_n,
+        t.starboard_n,
+        t.port_n,
+        s.forward_m,
+        s.right_m,
+        s.altitude_m,
+        s.roll_rad,
+        s.pitch_rad,
+        s.heading_rad,
+    ];
     at.derivative.into_iter().chain(rest).collect()
 }
 

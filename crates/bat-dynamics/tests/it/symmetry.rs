@@ -29,8 +29,8 @@ fn turning_the_flow_and_the_azimuth_together_changes_nothing() {
         for ((line, a), (_, b)) in before.tensions.named().iter().zip(after.tensions.named()) {
             assert!((a - b).abs() < 1e-12, "{line}: {a} N and {b} N");
         }
-        assert!((before.sight.heading - after.sight.heading).abs() < 1e-12, "heading from the flow");
-        assert!((before.sight.altitude - after.sight.altitude).abs() < 1e-12, "altitude");
+        assert!((before.sight.heading_rad - after.sight.heading_rad).abs() < 1e-12, "heading from the flow");
+        assert!((before.sight.altitude_m - after.sight.altitude_m).abs() < 1e-12, "altitude");
     }
 }
 
@@ -43,11 +43,11 @@ pub(crate) fn mirrored(state: &FlightState) -> FlightState {
 #[track_caller]
 pub(crate) fn assert_mirrored(left: &Evaluation, right: &Evaluation, state: &FlightState) {
     assert_eq!(left.derivative, mirrored(&right.derivative), "at {state:?}");
-    let Tensions { center, starboard, port } = right.tensions;
-    assert_eq!(left.tensions, Tensions { center, starboard: port, port: starboard }, "at {state:?}");
+    let Tensions { center_n, starboard_n, port_n } = right.tensions;
+    assert_eq!(left.tensions, Tensions { center_n, starboard_n: port_n, port_n: starboard_n }, "at {state:?}");
     let (l, r) = (left.sight, right.sight);
-    assert_eq!([l.forward, l.right, l.altitude], [r.forward, -r.right, r.altitude], "at {state:?}");
-    assert_eq!([l.roll, l.pitch, l.heading], [-r.roll, r.pitch, -r.heading], "at {state:?}");
+    assert_eq!([l.forward_m, l.right_m, l.altitude_m], [r.forward_m, -r.right_m, r.altitude_m], "at {state:?}");
+    assert_eq!([l.roll_rad, l.pitch_rad, l.heading_rad], [-r.roll_rad, r.pitch_rad, -r.heading_rad], "at {state:?}");
 }
 
 #[test]

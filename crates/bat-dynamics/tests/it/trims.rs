@@ -43,9 +43,9 @@ fn trim_leaves_no_residual_and_holds_what_was_asked() {
                     assert!(rate.abs() < 1e-10, "rate {k} at trim: {rate}");
                 }
                 let seen = sight(&plant, &state, &asked.flow);
-                assert!((seen.pitch - asked.pitch_rad).abs() < 1e-14, "pitch {}", seen.pitch);
-                assert!((seen.altitude - 0.61).abs() < 1e-14, "altitude {}", seen.altitude);
-                assert!(seen.roll.abs() < 1e-14 && seen.heading.abs() < 1e-14, "{seen:?}");
+                assert!((seen.pitch_rad - asked.pitch_rad).abs() < 1e-14, "pitch {}", seen.pitch_rad);
+                assert!((seen.altitude_m - 0.61).abs() < 1e-14, "altitude {}", seen.altitude_m);
+                assert!(seen.roll_rad.abs() < 1e-14 && seen.heading_rad.abs() < 1e-14, "{seen:?}");
                 assert!(tensions.margin_n() > 0.0, "tensions {tensions:?}");
                 let (q, _) = oracle::coordinates(&p, &state);
                 for k in 0..6 {
@@ -173,12 +173,12 @@ fn trim_with_held_lines_is_the_trim_they_came_from_and_an_equilibrium_elsewhere(
             let asked = request(0.205, 12.0, 0.61);
             let first = trim(&plant, &asked).unwrap();
             let lines = [first.state[6], first.state[7], first.state[8]];
-            let again = trim_with_lines(&plant, &asked.flow, lines).unwrap();
+            let again = trim_with_lines(&plant, lines, &asked.flow).unwrap();
             for k in 0..12 {
                 assert!((again.state[k] - first.state[k]).abs() < 1e-12, "state {k} of the same trim");
             }
             let faster = Flow { speed_m_s: 0.285, ..asked.flow };
-            let held = trim_with_lines(&plant, &faster, lines).unwrap();
+            let held = trim_with_lines(&plant, lines, &faster).unwrap();
             assert_eq!(
                 held.coordinates[4].to_bits(),
                 again.coordinates[4].to_bits(),
@@ -207,7 +207,7 @@ fn trim_with_held_lines_refuses_what_would_rest_rolled() {
         ([0.6, -0.6, 0.6], "length of a line"),
         ([f64::NAN, 0.6, 0.6], "length of a line"),
     ] {
-        let error = trim_with_lines(&plant, &flow, lines).unwrap_err().to_string();
+        let error = trim_with_lines(&plant, lines, &flow).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "bounds, levels and clamped values are exact")]
 
-use design_space::{Cell, Combinations, Grid, Parameter, Region};
+use design_space::{Cell, Combinations, Grid, Model, Parameter, Region, Term};
 use proptest::prelude::*;
 
 /// Bounds of any size and sign, from a part in a million apart to twenty decades.
@@ -45,7 +45,26 @@ fn regions_with(levels: impl Strategy<Value = Option<u32>>) -> impl Strategy<Val
     })
 }
 
+/// A model of up to five factors with exponents up to the largest, and a point.
+fn model_and_point() -> impl Strategy<Value = (Model, Vec<f64>)> {
+    (1..6_usize).prop_flat_map(|n_factors| {
+        let exponents = prop::collection::vec(0..=Model::LARGEST_EXPONENT, n_factors);
+        let terms = prop::collection::btree_set(exponents, 1..20);
+        let model =
+            terms.prop_map(move |terms| Model::new(n_factors, terms.into_iter().map(Term::new).collect()).unwrap());
+        (model, prop::collection::vec(-1.5..1.5_f64, n_factors))
+    })
+}
+
 proptest! {
+    #[test]
+    fn both_ways_to_a_regressor_agree_to_the_last_bit((model, point) in model_and_point()) {
+        let mut filled = vec![f64::NAN; model.n_terms()];
+        model.fill_regressor(&point, &mut filled);
+        let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        prop_assert_eq!(bits(filled), bits(model.regressor(&point).unwrap()));
+    }
+
     #[test]
     fn coded_and_natural_are_inverse(parameter in parameter(), coded in -3.0..3.0_f64) {
         let natural = parameter.natural(coded);

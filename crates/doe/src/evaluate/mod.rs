@@ -6,8 +6,7 @@ mod slice;
 mod table;
 mod terms;
 
-use serde::ser::SerializeSeq;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 pub use fraction::FractionOfSpace;
 pub use sample::Sampling;
@@ -55,7 +54,6 @@ pub struct Evaluation {
     /// Number of runs, N.
     pub n_runs: usize,
     /// The set that predictions are asked for in.
-    #[serde(serialize_with = "as_text")]
     pub over: Over,
     /// Where the runs go.
     pub degrees_of_freedom: DegreesOfFreedom,
@@ -88,7 +86,6 @@ pub struct DegreesOfFreedom {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Precision {
     /// By every criterion, in the order of [`Criterion::ALL`].
-    #[serde(serialize_with = "efficiencies")]
     pub efficiencies: Vec<Efficiency>,
     /// One per term.
     pub coefficients: Vec<Coefficient>,
@@ -247,25 +244,4 @@ fn groups(design: &Design) -> (usize, Vec<Vec<usize>>) {
     let n_distinct = groups.len();
     groups.retain(|group| group.len() > 1);
     (n_distinct, groups)
-}
-
-fn as_text<S: Serializer>(value: &impl ToString, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(&value.to_string())
-}
-
-fn efficiencies<S: Serializer>(list: &[Efficiency], serializer: S) -> Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    struct Row {
-        criterion: Criterion,
-        value: f64,
-        percent: f64,
-        over: Option<String>,
-    }
-    let mut sequence = serializer.serialize_seq(Some(list.len()))?;
-    for efficiency in list {
-        let &Efficiency { criterion, value, percent, .. } = efficiency;
-        let over = efficiency.over.as_ref().map(ToString::to_string);
-        sequence.serialize_element(&Row { criterion, value, percent, over })?;
-    }
-    sequence.end()
 }

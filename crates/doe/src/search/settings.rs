@@ -56,14 +56,14 @@ impl Settings {
     /// [`Error::Setting`] for no starts, no time, or a target that is not above 0.
     pub fn validate(&self) -> Result<(), Error> {
         if self.starts == 0 {
-            return Err(Error::Setting { name: "starts", value: 0.0, allowed: "at least 1" });
+            return Err(Error::Setting { name: "starts", value: 0.0, expected: "at least 1" });
         }
         if self.time_limit.is_some_and(|limit| limit.is_zero()) {
-            return Err(Error::Setting { name: "time_limit", value: 0.0, allowed: "above 0" });
+            return Err(Error::Setting { name: "time_limit", value: 0.0, expected: "above 0" });
         }
         match self.target_percent {
             Some(value) if value.is_nan() || value <= 0.0 => {
-                Err(Error::Setting { name: "target_percent", value, allowed: "above 0" })
+                Err(Error::Setting { name: "target_percent", value, expected: "above 0" })
             }
             _ => Ok(()),
         }

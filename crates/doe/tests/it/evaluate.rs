@@ -327,6 +327,8 @@ fn an_evaluation_serializes_with_its_set() {
     assert_eq!(json["precision"]["efficiencies"][2]["over"], "cube [-1, 1]^2");
     assert_eq!(json["precision"]["fraction_of_space"]["fractions"].as_array().unwrap().len(), 201);
     assert_eq!(json["precision"]["fraction_of_space"]["sampling"]["quasi_random"]["seed"], 1);
+    let efficiencies = &evaluation.precision.as_ref().unwrap().efficiencies;
+    assert_eq!(serde_json::to_value(efficiencies).unwrap(), json["precision"]["efficiencies"], "each by itself");
 }
 
 #[test]

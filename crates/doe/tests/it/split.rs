@@ -120,6 +120,17 @@ fn methods_are_words_in_files() {
     }
 }
 
+#[test]
+fn splits_return_from_files() {
+    let (model, space) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+    let line = Design::new(2, vec![0.0, 0.0, 0.5, 0.5, 1.0, 1.0, -1.0, -1.0, -0.5, -0.5, 0.2, 0.2]).unwrap();
+    for design in [lattice(), line] {
+        let split = split(&model, &space, &design, &settings(SplitMethod::Alternating, None)).unwrap();
+        let text = serde_json::to_string(&split).unwrap();
+        assert_eq!(serde_json::from_str::<Split>(&text).unwrap(), split, "{text}");
+    }
+}
+
 /// log m + |log(w / m)| from the public pieces.
 fn imbalance(model: &Model, space: &Space, design: &Design, split: &Split) -> f64 {
     let information = Information::of(model, &split.training_design(design).unwrap()).unwrap();

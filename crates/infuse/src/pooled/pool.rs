@@ -107,20 +107,20 @@ impl Pool {
             }
             let around: Vec<Cell> = around.into_iter().filter(|&cell| cells.insert(cell)).collect();
             let finer = Self::of(knowledge, around)?;
-            pool = pool.followed_by(finer);
+            pool = pool.followed_by(finer)?;
         }
         Ok(Self { random, ..pool })
     }
 
-    fn followed_by(self, other: Self) -> Self {
+    fn followed_by(self, other: Self) -> Result<Self, Error> {
         let cells: Vec<Cell> = self.cells.iter().chain(&other.cells).copied().collect();
         let chain = |a: &[f64], b: &[f64]| a.iter().chain(b).copied().collect::<Vec<f64>>();
         let marginals = Marginals {
             means: chain(&self.marginals.means, &other.marginals.means),
             variances: chain(&self.marginals.variances, &other.marginals.variances),
         };
-        let (places, chances) = (self.places.followed_by(&other.places), self.chances.followed_by(other.chances));
-        Self { cells, places, marginals, chances, random: Vec::new() }
+        let (places, chances) = (self.places.followed_by(&other.places)?, self.chances.followed_by(other.chances));
+        Ok(Self { cells, places, marginals, chances, random: Vec::new() })
     }
 
     /// The same with other cells, too.
@@ -131,7 +131,7 @@ impl Pool {
             return Ok(self);
         }
         let more = Self::of(knowledge, new)?;
-        Ok(self.followed_by(more))
+        self.followed_by(more)
     }
 
     /// The part of it on which joint distributions are affordable: the promising cells, those that the sceptic finds promising, if

@@ -1,7 +1,7 @@
 //! Systems, groups, set-ups and results in files.
 
 use ::serde::{Serialize, de::DeserializeOwned};
-use scaling::{Dimension, Factor, Groups, Rule, SetUp, Similarity, System, Unit, Units};
+use scaling::{Dimension, Factor, Group, Groups, Rule, SetUp, Similarity, System, Unit, Units};
 
 use crate::{TABLE_1, system};
 
@@ -42,6 +42,40 @@ fn broken_files_are_refused() {
     assert!(refused(twice).contains("`a` is given twice as a variable"));
     assert!(refused(r#"[{"name":"a","dimension":"L^^"}]"#).contains("character 3"));
     assert!(serde_json::from_str::<Factor>("\"-1\"").is_err());
-    assert!(serde_json::from_str::<scaling::Group>(r#"[["a","x"]]"#).is_err());
-    assert!(serde_json::from_str::<scaling::Group>(r#"[["a","1/0"]]"#).is_err());
+    assert!(serde_json::from_str::<Group>(r#"[["a","x"]]"#).is_err());
+    assert!(serde_json::from_str::<Group>(r#"[["a","1/0"]]"#).is_err());
+}
+
+#[test]
+fn groups_are_checked_when_they_are_read() {
+    let refused = |text: &str| serde_json::from_str::<Group>(text).unwrap_err().to_string();
+    assert_eq!(refused(r#"[["a","1"],["a","0"]]"#), "`a` is given twice as a factor of the group");
+    assert_eq!(
+        refused(r#"[["a","1"],["b","0/7"]]"#),
+        "the exponent of `b` is 0/7, expected a whole number or a fraction, other than 0"
+    );
+    assert_eq!(refused(r#"[["a b","1"]]"#).split(':').next(), Some("`a b` cannot be a name"));
+    assert_eq!(serde_json::from_str::<Group>("[]").unwrap().to_string(), "1", "what it is to the power 0");
+}
+
+/// A file of groups with something else in place of a part of it.
+#[test]
+fn lists_of_groups_are_those_of_their_system() {
+    let groups = system(&TABLE_1).groups(&["L_t", "M_a", "V"]).unwrap();
+    for groups in [groups.clone(), groups.clone().oriented(scaling::Orientation::Below)] {
+        returns::<Groups>(&groups);
+    }
+    let text = serde_json::to_string(&groups).unwrap();
+    let refused = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from} in {text}");
+        serde_json::from_str::<Groups>(&text.replacen(from, to, 1)).unwrap_err().to_string()
+    };
+    let repeating = r#""repeating":["L_t","M_a","V"]"#;
+    assert!(refused(repeating, r#""repeating":["L_t","M_a","W"]"#).contains("there is no variable `W`"));
+    assert!(refused(repeating, r#""repeating":["L_t","M_a"]"#).contains("do not span the dimension"));
+    let density = r#"[["L_t","3"],["M_a","-1"],["rho","1"]]"#;
+    let other = refused(density, r#"[["L_t","2"],["M_a","-1"],["rho","1"]]"#);
+    assert!(other.contains("L_t^2*rho/M_a, ") && other.contains(", L_t^3*rho/M_a, "), "{other}");
+    assert!(other.ends_with("as L_t, M_a and V give them"), "{other}");
+    assert!(refused(&format!(",{density}"), "").starts_with("the groups are "), "one is missing");
 }

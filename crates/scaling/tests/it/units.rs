@@ -231,6 +231,22 @@ fn users_add_units_and_bases() {
     }
 }
 
+/// `M` in place of a mass would leave `M/kg` without a dimension.
+#[test]
+fn a_base_brings_a_dimension_that_no_unit_has() {
+    let mut units = Units::si();
+    let refused = |found: Result<&mut Units, Error>| found.unwrap_err().to_string();
+    let expected = "the dimension `M` of the base `M` is not new, `g` has it: give it another name with `base_as`";
+    assert_eq!(refused(units.base("M")), expected);
+    assert!(refused(units.base("Theta")).contains("`K` has it"));
+    assert!(refused(units.base_as("smoot", "L")).contains("`m` has it"));
+    units.base_as("M", "money").unwrap().base("USD").unwrap();
+    assert_eq!(units.parse("M/kg").unwrap().dimension.to_string(), "money/M");
+    assert!(refused(units.base_as("EUR", "USD")).contains("`USD` has it"));
+    assert!(refused(units.base("USD")).starts_with("the unit `USD` exists already"));
+    assert!(refused(Units::si_with_angle().base("angle")).contains("`rad` has it"));
+}
+
 #[test]
 fn angle_can_be_a_base() {
     let units = Units::si_with_angle();

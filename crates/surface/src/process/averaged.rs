@@ -29,7 +29,7 @@ impl AveragedProcess {
     /// [`Error::Parameter`] for a noise that is negative or not finite; [`Error::IllConditioned`].
     pub fn new(sites: Sites, settings: &SamplerSettings) -> Result<Self, Error> {
         if let Some(value) = settings.noise.filter(|noise| !(*noise >= 0.0 && noise.is_finite())) {
-            return Err(Error::Parameter { name: "noise", value, allowed: "a finite number from 0 on" });
+            return Err(Error::Parameter { name: "noise", value, expected: "a finite number from 0 on" });
         }
         if settings.particles < 2 {
             return Err(Error::Count { name: "particles", found: settings.particles, least: 2, most: usize::MAX });

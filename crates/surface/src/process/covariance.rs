@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::exponential::exp_of_minus;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, check_factors};
 use crate::process::places::Places;
-use crate::process::sites::Units;
+use crate::process::sites::{Units, check_axes};
 
 /// What is made of the simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -108,9 +108,29 @@ pub(crate) struct Matern {
 }
 
 impl Hyperparameters {
+    /// Whether a process of so many factors can have them.
+    pub(crate) fn check(&self, n_factors: usize) -> Result<(), Error> {
+        self.check_axes(n_factors)?;
+        self.check_values()
+    }
+
+    /// Whether there is a length along every axis, and along every one of the additive part.
+    fn check_axes(&self, n_factors: usize) -> Result<(), Error> {
+        if self.lengths.len() != n_factors {
+            return Err(Error::Length { name: "lengths", expected: n_factors, found: self.lengths.len() });
+        }
+        let Some(additive) = &self.additive else { return Ok(()) };
+        check_axes(&additive.axes, n_factors)?;
+        let (expected, found) = (additive.axes.len(), additive.lengths.len());
+        if expected != found {
+            return Err(Error::Length { name: "lengths of the additive part", expected, found });
+        }
+        Ok(())
+    }
+
     /// Whether every variance and length can be one.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        let none = |name, value, allowed| Err(Error::Parameter { name, value, allowed });
+    fn check_values(&self) -> Result<(), Error> {
+        let none = |name, value, expected| Err(Error::Parameter { name, value, expected });
         let additive = self.additive.as_ref();
         let variances = [
             ("trend", self.trend),
@@ -156,10 +176,17 @@ pub struct Covariance<'a> {
 }
 
 impl<'a> Covariance<'a> {
-    /// Of a structure with these hyperparameters; simulated responses count as they are.
-    #[must_use]
-    pub fn of(structure: Structure, hyper: &'a Hyperparameters) -> Self {
-        Self { structure, hyper, constant: CONSTANT }
+    /// Of a structure with these hyperparameters, which have a length for each factor; simulated responses count as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`] for the number of lengths, [`Error::Parameter`] for a variance that is negative, a length that is not
+    /// positive or an axis of the additive part that is not there, [`Error::Length`] unless that has a length for each axis.
+    pub fn of(structure: Structure, hyper: &'a Hyperparameters) -> Result<Self, Error> {
+        let n_factors = hyper.lengths.len();
+        check_factors(n_factors)?;
+        hyper.check(n_factors)?;
+        Ok(Self { structure, hyper, constant: CONSTANT })
     }
 
     /// The same without the variance of the constant, 4.
@@ -169,18 +196,31 @@ impl<'a> Covariance<'a> {
     }
 
     /// Covariances of places (rows) with others (columns), without noise.
-    #[must_use]
-    pub fn between(&self, rows: &Places, columns: &Places) -> Mat<f64> {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`] unless the places have as many factors as there are lengths.
+    pub fn between(&self, rows: &Places, columns: &Places) -> Result<Mat<f64>, Error> {
+        self.check(rows)?;
+        self.check(columns)?;
         let mut matrix = Parts::between(rows, columns, Units::NONE).covariance(self.structure, self.hyper);
         matrix.col_iter_mut().for_each(|column| column.iter_mut().for_each(|value| *value += self.constant - CONSTANT));
-        matrix
+        Ok(matrix)
     }
 
     /// Variance at each place, without noise.
-    #[must_use]
-    pub fn variances(&self, places: &Places) -> Vec<f64> {
+    ///
+    /// # Errors
+    ///
+    /// As [`between`](Self::between).
+    pub fn variances(&self, places: &Places) -> Result<Vec<f64>, Error> {
+        self.check(places)?;
         let variances = prior_variances(places, self.structure, self.hyper, Units::NONE);
-        variances.into_iter().map(|variance| variance + self.constant - CONSTANT).collect()
+        Ok(variances.into_iter().map(|variance| variance + self.constant - CONSTANT).collect())
+    }
+
+    fn check(&self, places: &Places) -> Result<(), Error> {
+        places.check_factors(self.hyper.lengths.len())
     }
 }
 

@@ -59,7 +59,7 @@ impl Feasibility {
             return Ok(None);
         }
         let labels: Vec<f64> = succeeded.iter().map(|succeeded| if *succeeded { 1.0 } else { -1.0 }).collect();
-        let members = tried(&places, &labels);
+        let members = tried(&places, &labels)?;
         let most = members.iter().map(|member| member.evidence).fold(f64::NEG_INFINITY, f64::max);
         let shares = || members.iter().map(|member| (member.evidence - most).exp());
         let all: f64 = shares().sum();
@@ -78,7 +78,7 @@ impl Feasibility {
         places.check_factors(self.places.n_factors())?;
         let mut sum = vec![0.0; places.n_places()];
         for (share, member) in &self.members {
-            let own = member.probabilities(&self.places, places);
+            let own = member.probabilities(&self.places, places)?;
             sum.iter_mut().zip(own).for_each(|(sum, probability)| *sum += share * probability);
         }
         Ok(sum)
@@ -86,11 +86,11 @@ impl Feasibility {
 }
 
 /// The shortest lengths first, and from there one factor after the other: whatever was tried counts by its evidence.
-fn tried(places: &Places, labels: &[f64]) -> Vec<Member> {
+fn tried(places: &Places, labels: &[f64]) -> Result<Vec<Member>, Error> {
     let n_factors = places.n_factors();
     let (lengths, n_sweeps) = if labels.len() > MANY { (&LENGTHS[..2], 1) } else { (&LENGTHS[..], 2) };
     let mut members = Vec::new();
-    let mut best = Member::of(places, labels, vec![LENGTHS[0]; n_factors]);
+    let mut best = Member::of(places, labels, vec![LENGTHS[0]; n_factors])?;
     for factor in (0..n_sweeps).flat_map(|_| 0..n_factors) {
         let own = best.hyper.lengths.clone();
         for &length in lengths {
@@ -100,7 +100,7 @@ fn tried(places: &Places, labels: &[f64]) -> Vec<Member> {
             if known(&best) || members.iter().any(known) {
                 continue;
             }
-            let mut member = Member::of(places, labels, lengths);
+            let mut member = Member::of(places, labels, lengths)?;
             if member.evidence > best.evidence {
                 std::mem::swap(&mut member, &mut best);
             }
@@ -108,11 +108,11 @@ fn tried(places: &Places, labels: &[f64]) -> Vec<Member> {
         }
     }
     members.push(best);
-    members
+    Ok(members)
 }
 
 impl Member {
-    fn of(places: &Places, labels: &[f64], lengths: Vec<f64>) -> Self {
+    fn of(places: &Places, labels: &[f64], lengths: Vec<f64>) -> Result<Self, Error> {
         let hyper = Hyperparameters {
             trend: 0.0,
             simulation: 0.0,
@@ -122,7 +122,7 @@ impl Member {
             assembly: 0.0,
             additive: None,
         };
-        let covariance = Covariance::of(STRUCTURE, &hyper).without_constant().between(places, places);
+        let covariance = Covariance::of(STRUCTURE, &hyper)?.without_constant().between(places, places)?;
         let n = labels.len();
         let normal = Normal::standard();
         let mut latent = Mat::<f64>::zeros(n, 1);
@@ -164,23 +164,22 @@ impl Member {
         };
         let of_each = (0..n).map(|i| likelihood(i) - 0.5 * solution[(i, 0)] * latent[(i, 0)] - factor[(i, i)].ln());
         let evidence = of_each.sum();
-        Self { hyper, gradient, roots, factor, evidence }
+        Ok(Self { hyper, gradient, roots, factor, evidence })
     }
 
-    fn probabilities(&self, tested: &Places, places: &Places) -> Vec<f64> {
-        let covariance = Covariance::of(STRUCTURE, &self.hyper).without_constant();
-        let cross = covariance.between(places, tested);
+    fn probabilities(&self, tested: &Places, places: &Places) -> Result<Vec<f64>, Error> {
+        let covariance = Covariance::of(STRUCTURE, &self.hyper)?.without_constant();
+        let cross = covariance.between(places, tested)?;
         let means = &cross * &self.gradient;
         let mut whitened = Mat::from_fn(self.roots.len(), places.n_places(), |i, j| self.roots[i] * cross[(j, i)]);
         solve_lower_triangular_in_place(self.factor.as_ref(), whitened.as_mut(), Par::Seq);
-        let prior = covariance.variances(places);
+        let prior = covariance.variances(places)?;
         let normal = Normal::standard();
-        (0..places.n_places())
-            .map(|place| {
-                let variance = (prior[place] - whitened.col(place).squared_norm_l2()).max(0.0);
-                normal.cdf((means[(place, 0)] + OFFSET) / (1.0 + variance).sqrt())
-            })
-            .collect()
+        let probability = |place: usize| {
+            let variance = (prior[place] - whitened.col(place).squared_norm_l2()).max(0.0);
+            normal.cdf((means[(place, 0)] + OFFSET) / (1.0 + variance).sqrt())
+        };
+        Ok((0..places.n_places()).map(probability).collect())
     }
 }
 
@@ -222,8 +221,9 @@ mod tests {
 
         let places = [[0.3, -0.4], [-0.2, 0.5], [0.0, 0.0], [0.9, 0.9]];
         let tested_places = Places::new(2, &tested.concat()).expect("valid places");
-        let member = Member::of(&tested_places, &labels, vec![LENGTHS[0]; 2]);
-        let found = member.probabilities(&tested_places, &Places::new(2, &places.concat()).expect("valid places"));
+        let member = Member::of(&tested_places, &labels, vec![LENGTHS[0]; 2]).expect("two factors");
+        let elsewhere = Places::new(2, &places.concat()).expect("valid places");
+        let found = member.probabilities(&tested_places, &elsewhere).expect("two factors");
         for (place, found) in places.into_iter().zip(found) {
             let [u, v] = [kernel(place, tested[0]), kernel(place, tested[1])];
             let mean = u * slopes[0] + v * slopes[1] + 1.0;

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::process::covariance::{Hyperparameters, Parts, SimulationUse, Structure, prior_variances};
 use crate::process::joint::Joint;
 use crate::process::places::Places;
-use crate::process::sites::{Sites, check_axes};
+use crate::process::sites::Sites;
 
 /// The response as a Gaussian process, given measurements and hyperparameters.
 ///
@@ -112,10 +112,10 @@ impl Marginals {
     /// [`Error::NoSuchPoints`] for a place that is not there.
     pub fn interval(&self, place: usize, probability: f64, noise: f64) -> Result<[f64; 2], Error> {
         if !(probability > 0.0 && probability < 1.0) {
-            return Err(Error::Parameter { name: "probability", value: probability, allowed: "between 0 and 1" });
+            return Err(Error::Parameter { name: "probability", value: probability, expected: "between 0 and 1" });
         }
         if !(noise >= 0.0 && noise.is_finite()) {
-            return Err(Error::Parameter { name: "noise", value: noise, allowed: "a finite number from 0 on" });
+            return Err(Error::Parameter { name: "noise", value: noise, expected: "a finite number from 0 on" });
         }
         let (Some(mean), Some(variance)) = (self.means.get(place), self.variances.get(place)) else {
             let (first, n_points) = (place as u64, self.means.len() as u64);
@@ -158,18 +158,7 @@ impl GaussianProcess {
     /// [`Error::Parameter`] for a variance that is negative or a length that is not positive, [`Error::Length`], [`Error::IllConditioned`]
     /// if rounding has eaten the covariance of the sites.
     pub fn new(sites: Arc<Sites>, structure: Structure, hyper: Hyperparameters) -> Result<Self, Error> {
-        let expected = sites.places().n_factors();
-        if hyper.lengths.len() != expected {
-            return Err(Error::Length { name: "lengths", expected, found: hyper.lengths.len() });
-        }
-        if let Some(additive) = &hyper.additive {
-            check_axes(&additive.axes, expected)?;
-            let (expected, found) = (additive.axes.len(), additive.lengths.len());
-            if expected != found {
-                return Err(Error::Length { name: "lengths of the additive part", expected, found });
-            }
-        }
-        hyper.check()?;
+        hyper.check(sites.places().n_factors())?;
         let problem = Problem::of(&sites);
         let factor = problem.factor(structure, &hyper);
         let factor = factor.ok_or(Error::IllConditioned { ratio: 0.0, least: LEAST_NOISE })?;

@@ -41,8 +41,8 @@ impl GaussianProcess {
         let uses_it = self.structure().simulation != SimulationUse::Ignored;
         let n_ways = place.deviations().len() + usize::from(!place.unknown().is_empty());
         if uses_it && n_ways > 0 {
-            let allowed = "0: how they change with the place is not known";
-            return Err(Error::Parameter { name: "deviations of the simulation", value: n_ways as f64, allowed });
+            let expected = "0: how they change with the place is not known";
+            return Err(Error::Parameter { name: "deviations of the simulation", value: n_ways as f64, expected });
         }
         let slopes = match simulated.filter(|_| uses_it) {
             Some(slopes) if slopes.len() != k => return length("slopes of the simulation", k, slopes.len()),

@@ -185,9 +185,16 @@ impl Places {
         })
     }
 
-    /// These points and then others, of as many factors; simulated only where both are, and off in as many ways as both are.
-    #[must_use]
-    pub fn followed_by(&self, other: &Self) -> Self {
+    /// These points and then others; simulated only where both are, and off in as many ways as both are.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`] unless they have as many factors.
+    pub fn followed_by(&self, other: &Self) -> Result<Self, Error> {
+        if other.n_factors != self.n_factors {
+            let (expected, found) = (self.n_factors, other.n_factors);
+            return Err(Error::FactorMismatch { what: "the places that follow", expected, found });
+        }
         let axes =
             (0..self.n_factors).flat_map(|axis| self.axis(axis).iter().chain(other.axis(axis))).copied().collect();
         let one = |(own, others): (&Vec<f64>, &Vec<f64>)| own.iter().chain(others).copied().collect();
@@ -196,7 +203,7 @@ impl Places {
         let n_places = self.n_places + other.n_places;
         let is_known = simulated.is_none() || (self.unknown.is_empty() && other.unknown.is_empty());
         let unknown = if is_known { Vec::new() } else { [self.padded_unknown(), other.padded_unknown()].concat() };
-        Self { n_factors: self.n_factors, n_places, axes, simulated, deviations, unknown }
+        Ok(Self { n_factors: self.n_factors, n_places, axes, simulated, deviations, unknown })
     }
 
     /// One for each place, zeros where all is known.

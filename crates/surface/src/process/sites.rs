@@ -31,8 +31,8 @@ pub(crate) fn check_axes(axes: &[usize], n_factors: usize) -> Result<(), Error> 
     let is_wrong = |at: usize| axes[at] >= n_factors || axes[..at].contains(&axes[at]);
     match (0..axes.len()).find(|&at| is_wrong(at)) {
         Some(at) => {
-            let allowed = "the number of an axis, from 0, each once";
-            Err(Error::Parameter { name: "axis of the additive part", value: axes[at] as f64, allowed })
+            let expected = "the number of an axis, from 0, each once";
+            Err(Error::Parameter { name: "axis of the additive part", value: axes[at] as f64, expected })
         }
         None => Ok(()),
     }
@@ -159,10 +159,10 @@ impl Sites {
     /// [`Error::Parameter`] unless the center is finite and the scale positive.
     pub fn in_units(mut self, center: f64, scale: f64) -> Result<Self, Error> {
         if !center.is_finite() {
-            return Err(Error::Parameter { name: "center", value: center, allowed: "a finite number" });
+            return Err(Error::Parameter { name: "center", value: center, expected: "a finite number" });
         }
         if !(scale > 0.0 && scale.is_finite()) {
-            return Err(Error::Parameter { name: "scale", value: scale, allowed: "a positive number" });
+            return Err(Error::Parameter { name: "scale", value: scale, expected: "a positive number" });
         }
         let before = self.units;
         self.means.iter_mut().for_each(|mean| *mean = (before.center + before.scale * *mean - center) / scale);

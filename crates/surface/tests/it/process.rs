@@ -188,7 +188,8 @@ fn world(structure: Structure, rng: &mut ChaCha8Rng) -> World {
     let all = Places::new(N_FACTORS, &coordinates)
         .and_then(|places| places.with_simulated(simulated.clone()))
         .expect("valid places");
-    let mut covariance = Covariance::of(structure, &hyper).between(&all, &all);
+    let covariance = Covariance::of(structure, &hyper).and_then(|covariance| covariance.between(&all, &all));
+    let mut covariance = covariance.expect("as many lengths as axes");
     (0..n).for_each(|i| covariance[(i, i)] += 1e-9);
     let factor = covariance.llt(Side::Lower).expect("positive definite").L().to_owned();
     let draw = Mat::<f64>::from_fn(n, 1, |_, _| StandardNormal.sample(rng));
@@ -422,7 +423,7 @@ fn means_alone_and_differences_are_those_of_the_marginals() {
         let mean = contrasts.iter().map(|each| each.means[place]).sum::<f64>() / contrasts.len() as f64;
         check_close(mean, marginals.means[place] - marginals.means[0], 1e-7, "difference to the first place");
     }
-    let both = Places::new(2, &[0.2, 0.1]).expect("a place").followed_by(&places);
+    let both = Places::new(2, &[0.2, 0.1]).and_then(|place| place.followed_by(&places)).expect("two axes each");
     assert_eq!(both.n_places(), 4, "one and three");
     check_list(
         &process.means(&both).expect("places of the process")[1..],

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use surface::process::{
@@ -21,6 +22,10 @@ fn hyper(additive: Option<Additive>) -> Hyperparameters {
     Hyperparameters { trend: 0.0, simulation: 0.0, residual: 0.6, lengths, noise: 0.1, assembly: 0.0, additive }
 }
 
+fn covariance(structure: Structure, hyper: &Hyperparameters, places: &Places) -> Mat<f64> {
+    Covariance::of(structure, hyper).and_then(|covariance| covariance.between(places, places)).expect("three axes")
+}
+
 /// Matérn-5/2 of √5 d and Matérn-3/2 of √3 d, of the distance along the named axes alone; a constant has the variance 4.
 #[test]
 fn covariance_is_that_along_its_axes_beside_the_residual() {
@@ -35,7 +40,7 @@ fn covariance_is_that_along_its_axes_beside_the_residual() {
         ),
         (Residual::Rough, |d: f64| (1.0 + 3f64.sqrt() * d) * (-3f64.sqrt() * d).exp()),
     ] {
-        let of = |hyper: &Hyperparameters| Covariance::of(structure(residual), hyper).between(&places, &places);
+        let of = |hyper: &Hyperparameters| covariance(structure(residual), hyper, &places);
         let (without, all) = (of(&own), of(&with));
         for (row, a) in points.iter().enumerate() {
             for (column, b) in points.iter().enumerate() {
@@ -46,7 +51,7 @@ fn covariance_is_that_along_its_axes_beside_the_residual() {
         }
     }
     // Of a polynomial it is the only part that is none, and smooth.
-    let of_none = Covariance::of(structure(Residual::None), &with).between(&places, &places);
+    let of_none = covariance(structure(Residual::None), &with, &places);
     check_close(
         of_none[(0, 2)],
         4.0 + 1.7 * (1.0 + 5f64.sqrt() * 0.45 + 5.0 * 0.45 * 0.45 / 3.0) * (-5f64.sqrt() * 0.45).exp(),

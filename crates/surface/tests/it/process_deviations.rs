@@ -57,7 +57,7 @@ fn deviation_along_the_simulation_is_its_factor() {
             check_close(found.variances[place], expected.variances[place], 1e-11, "variance");
         }
         let some: Vec<usize> = (0..600).step_by(97).collect();
-        let others = there.select(&some[..3]).followed_by(&there.select(&some[3..]));
+        let others = there.select(&some[..3]).followed_by(&there.select(&some[3..])).expect("as many factors");
         let (expected, found) = (
             scaled.joint(&here.select(&some)).expect("places of the process"),
             off.joint(&others).expect("places of the process"),
@@ -121,8 +121,9 @@ fn unknown_part_of_the_simulation_is_a_residual_of_the_length_one() {
     let some: Vec<usize> = (0..150).step_by(31).collect();
     // One of them all of which is known, the others in two halves.
     let known = here.select(&[7]);
-    let others = there.select(&some[..2]).followed_by(&there.select(&some[2..]));
-    let joint = found.joint(&known.followed_by(&others)).expect("places of the process");
+    let halves = there.select(&some[..2]).followed_by(&there.select(&some[2..]));
+    let all = halves.and_then(|halves| known.followed_by(&halves)).expect("as many factors");
+    let joint = found.joint(&all).expect("places of the process");
     let expected = plain.joint(&here.select(&some)).expect("places of the process");
     for row in 0..some.len() {
         for column in 0..some.len() {

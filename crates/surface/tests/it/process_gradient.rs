@@ -109,7 +109,8 @@ fn gradients_of_what_cannot_be_are_refused_by_name() {
     };
     refused(scaled.gradient(&here, None), "slopes of the simulation");
     refused(scaled.gradient(&here, Some(&[1.0])), "slopes of the simulation");
-    refused(scaled.gradient(&here.followed_by(&here), Some(&[0.0; K])), "places");
+    let twice = here.followed_by(&here).expect("as many factors");
+    refused(scaled.gradient(&twice, Some(&[0.0; K])), "places");
     refused(scaled.gradient(&Places::new(2, &[0.0, 0.0]).expect("a place"), Some(&[0.0; K])), "coordinates");
     assert!(process(SimulationUse::Ignored).gradient(&here, None).is_ok(), "it needs no simulation");
 }

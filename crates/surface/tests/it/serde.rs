@@ -30,6 +30,19 @@ fn everything_fitted_comes_back_the_same() {
     check(&Kind::SquaredExponential { scale: None });
 }
 
+/// What a regression reports may be written with it.
+#[test]
+fn tests_of_a_regression_serialize() {
+    let data = Data::new(1, vec![-1.0, 0.0, 0.0, 1.0], vec![1.0, 2.0, 3.0, 6.0]).expect("valid data");
+    let line = Regression::fit(&Model::linear(1).expect("a valid model"), &data).expect("four points");
+    let lack = line.lack_of_fit().expect("a repeat");
+    let written = serde_json::to_value(lack).expect("it can be written");
+    assert_eq!((&written["f"], &written["pure_error_degrees"]), (&lack.f.into(), &1.into()));
+    let slope = line.coefficient_tests(0.95).expect("two degrees of freedom")[1];
+    let written = serde_json::to_value(slope).expect("it can be written");
+    assert_eq!((&written["t"], &written["interval"][1]), (&slope.t.into(), &slope.interval[1].into()));
+}
+
 #[test]
 fn data_are_readable_and_weights_may_be_left_out() {
     let read: Data = serde_json::from_str(r#"{"points":[[0,1],[2,3]],"values":[4,5]}"#).expect("valid data");

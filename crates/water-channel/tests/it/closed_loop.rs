@@ -1,9 +1,9 @@
 //! Modes of the sampled loop: independent eigenvalues, and the flight itself as the judge.
 
-use bat_dynamics::{Fidelity, Flow};
+use bat_dynamics::{Fidelity, Flow, Plant, TetherLayout, driven_of_lines};
 use nalgebra::{Complex, SVector};
 use serde_json::Value;
-use tether_control::{ControllerState, Measurement};
+use tether_control::{ControllerState, Measurement, Mixing};
 use water_channel::{ClosedLoop, TestProfile, closed_loop_modes};
 
 use crate::rigs::{assert_close, first_row, golden, kick, logged, numbers, request, request_of, steps};
@@ -87,12 +87,28 @@ fn least_damped_oscillation_is_the_yaw_mode_and_is_lateral() {
     assert!(turning > 0.8, "share of azimuth, twist and their rates: {turning}");
 }
 
+/// Plant and controller know nothing of each other's layouts: what is called the same is the same.
+#[test]
+fn a_layout_is_the_same_to_plant_and_controller() {
+    let mut rig = request(Fidelity::NUMERICAL, 48.0, 17.3).rig;
+    let default = (TetherLayout::default(), tether_control::TetherLayout::default());
+    assert_eq!(format!("{:?}", default.0), format!("{:?}", default.1), "where a file has none");
+    for layout in [TetherLayout::OneForwardTwoAft, TetherLayout::TwoForwardOneAft] {
+        rig.plant.layout = layout;
+        let of_controller = rig.controller().unwrap().parameters().layout;
+        let in_files = [serde_json::to_string(&layout).unwrap(), serde_json::to_string(&of_controller).unwrap()];
+        assert_eq!(in_files[0], in_files[1], "in files");
+        let nose_down_m = Mixing::new(of_controller).line_speeds_m_s([0.0, 0.01, 0.0]);
+        let plant = Plant::new(&rig.plant, Fidelity::NUMERICAL).unwrap();
+        let [_, induced_pitch, induced_roll] = driven_of_lines(&plant, nose_down_m.map(|line_m| 0.6 + line_m));
+        assert!(induced_pitch < -0.1 && induced_roll == 0.0, "{layout:?}: {induced_pitch} rad, {induced_roll} rad");
+    }
+}
+
 /// The flight itself is the judge of the whole map: filters, mixing, signs, hold and sampling.
 #[test]
 fn map_predicts_the_next_sample_of_a_flight_near_trim() {
-    for (pitch_deg, layout) in
-        [(17.3, bat_dynamics::TetherLayout::OneForwardTwoAft), (8.0, bat_dynamics::TetherLayout::TwoForwardOneAft)]
-    {
+    for (pitch_deg, layout) in [(17.3, TetherLayout::OneForwardTwoAft), (8.0, TetherLayout::TwoForwardOneAft)] {
         let mut request = request(Fidelity::STALLED_WITH_ADDED_MASS, 48.0, pitch_deg);
         request.rig.plant.layout = layout;
         // A gentle kick: a twentieth of the speed for half a second, far from any limit.

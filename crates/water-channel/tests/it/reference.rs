@@ -40,10 +40,10 @@ impl ODE<f64, [f64; 13]> for Held<'_> {
         slope[..12].copy_from_slice(&at.derivative);
         let [k1, k2, k3, k4, k5, k6] = self.weights.terms;
         let set = &self.request.rig.set_points;
-        let sum = k1 * at.sight.heading.powi(2)
-            + k2 * (at.sight.pitch - set.pitch_rad).powi(2)
-            + k3 * (at.sight.roll - set.roll_rad).powi(2)
-            + k4 * (at.sight.altitude - set.altitude_m).powi(2)
+        let sum = k1 * at.sight.heading_rad.powi(2)
+            + k2 * (at.sight.pitch_rad - set.pitch_rad).powi(2)
+            + k3 * (at.sight.roll_rad - set.roll_rad).powi(2)
+            + k4 * (at.sight.altitude_m - set.altitude_m).powi(2)
             + k5 * (y[9].powi(2) + y[10].powi(2) + y[11].powi(2))
             + k6 * y[0];
         slope[12] = sum * sum;
@@ -70,7 +70,7 @@ pub(crate) fn reference(
         let mut state = [0.0; 12];
         state.copy_from_slice(&y[..12]);
         let seen = evaluate(&plant, &state, [0.0; 3], &(test.flow)(from_s, from_s + 1e-9)).sight;
-        let measured = Measurement { altitude_m: seen.altitude, pitch_rad: seen.pitch, roll_rad: seen.roll };
+        let measured = Measurement { altitude_m: seen.altitude_m, pitch_rad: seen.pitch_rad, roll_rad: seen.roll_rad };
         let mut commands = controller.command(&mut memory, &measured).saturated_m_s;
         if let Some(window) = test.windows.iter().find(|w| from_s > w.from_s - 1e-9 && from_s < w.to_s + 1e-9) {
             commands = window.commands.map(|fraction| fraction * limit);
