@@ -11,6 +11,7 @@ pub mod gradient;
 #[cfg(feature = "identification")]
 pub mod identification;
 mod ledger;
+mod made;
 #[cfg(feature = "global")]
 pub mod pooled;
 mod problem;

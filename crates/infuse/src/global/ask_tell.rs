@@ -12,7 +12,7 @@ use crate::global::report::StopReason;
 use crate::global::trial::Trial;
 use crate::global::turn::Closed;
 use crate::ledger::not_outstanding;
-use crate::trial::check_actual;
+use crate::made::check_actual;
 use crate::{Error, Outcome, TrialId};
 
 /// What there is to do next.

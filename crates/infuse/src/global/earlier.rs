@@ -4,7 +4,7 @@ use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::trial::check_earlier;
+use crate::made::check_earlier;
 
 /// An experiment that no batch asked for, see [`Loop::add_earlier`](crate::global::Loop::add_earlier).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -15,7 +15,7 @@ use crate::global::open_batch::{OpenBatch, trials};
 use crate::global::report::{Report, SimulationRecord};
 use crate::global::settings::Settings;
 use crate::global::trial::{Trial, TrialRecord, TrialUse, Trials};
-use crate::trial::check_actual;
+use crate::made::check_actual;
 
 const FORMAT: u32 = 1;
 

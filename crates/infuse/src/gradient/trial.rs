@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::gradient::settings::{BoundPolicy, Settings};
 use crate::gradient::slope::{Side, slope};
 use crate::ledger::{Ledger, Numbered, Record, ids_after};
-use crate::trial::{NEAR_THE_REGION, is_near};
+use crate::made::{NEAR_THE_REGION, is_near};
 use crate::{Error, TrialId};
 
 /// Place of a trial in the design around the optimum; parameters by their index in the region.

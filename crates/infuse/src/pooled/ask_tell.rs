@@ -5,11 +5,11 @@ use std::fmt;
 use design_space::Cell;
 use serde::{Deserialize, Serialize};
 
+use crate::made::{check_actual, check_earlier};
 use crate::pooled::campaign::{Earlier, Loop, Record, Trial};
 use crate::pooled::reason::Pick;
 use crate::pooled::simulated::{Responses, Simulate, Simulated};
 use crate::pooled::turn::Next;
-use crate::trial::{check_actual, check_earlier};
 use crate::{Error, Outcome, TrialId};
 
 /// What there is to do next.
