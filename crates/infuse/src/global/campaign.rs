@@ -114,7 +114,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownCell`].
+    /// [`Error::DesignSpace`] for a cell that does not exist.
     pub fn coded(&self, cell: Cell) -> Result<Vec<f64>, Error> {
         self.cells.coded(cell)
     }

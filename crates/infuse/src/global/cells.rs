@@ -54,8 +54,8 @@ impl Cells {
 
     /// Coded to the original box.
     pub(crate) fn coded(&self, cell: Cell) -> Result<Vec<f64>, Error> {
-        let unknown = || Error::UnknownCell { cell_idx: cell.index() as usize, n_cells: self.n_cells() as usize };
-        self.points.point(cell.index()).ok_or_else(unknown)
+        let (index, n_cells) = (cell.index(), self.n_cells());
+        Ok(self.points.point(index).ok_or(design_space::Error::NoSuchCell { index, n_cells })?)
     }
 
     pub(crate) fn natural(&self, cell: Cell) -> Result<Vec<f64>, Error> {

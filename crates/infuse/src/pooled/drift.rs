@@ -1,6 +1,6 @@
 //! Whether runs of a batch share an error that those of others do not have: a rig that drifts from day to day.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -51,6 +51,17 @@ impl<'a> Members<'a> {
         Self(members)
     }
 
+    /// Readings of blocks of several designs, by their places, ascending; and how many such blocks there are.
+    fn telling(&self, readings: &[Reading]) -> (Vec<usize>, usize) {
+        let n_designs =
+            |members: &Vec<usize>| members.iter().map(|&at| readings[at].cell).collect::<BTreeSet<_>>().len();
+        let telling: Vec<&Vec<usize>> =
+            self.0.values().filter(|members| n_designs(members) >= FEWEST_OF_A_BLOCK).collect();
+        let mut at: Vec<usize> = telling.iter().copied().flatten().copied().collect();
+        at.sort_unstable();
+        (at, telling.len())
+    }
+
     /// The number of the block of each of so many readings; none if one has none.
     fn numbers(&self, n_readings: usize) -> Option<Vec<usize>> {
         let mut numbers = vec![None; n_readings];
@@ -85,8 +96,9 @@ impl Drift {
     }
 }
 
-/// Fewer readings, or fewer of them to a block, tell nothing.
+/// Fewer readings tell nothing,
 const FEWEST: usize = 8;
+/// and neither does a block of fewer designs: what all its runs read more, as those that confirm a design, may be the design's.
 const FEWEST_OF_A_BLOCK: usize = 3;
 /// What a drift was taken for may have made the noise larger: its variance may be so many times that of the surface.
 const OF_THE_NOISE: [f64; 3] = [1.0, 0.25, 0.0625];
@@ -102,7 +114,7 @@ struct Case {
 
 impl Drift {
     /// What the readings say, with what the simulation says of the place of each, by structures and hyperparameters that were learnt without a
-    /// shared error. None for few readings, or if fewer than two blocks have several.
+    /// shared error. None for few readings, or if fewer than two blocks have several designs; of other blocks nothing is said.
     pub(crate) fn of(
         readings: &[Reading],
         blocks: &[Block],
@@ -111,9 +123,13 @@ impl Drift {
         is_noise_known: bool,
     ) -> Result<Option<Self>, Error> {
         let members = Members::of(readings, blocks);
-        let n_large = members.0.values().filter(|members| members.len() >= FEWEST_OF_A_BLOCK).count();
-        if readings.len() < FEWEST || n_large < 2 {
+        let (telling, n_blocks) = members.telling(readings);
+        if telling.len() < FEWEST || n_blocks < 2 {
             return Ok(None);
+        }
+        if telling.len() < readings.len() {
+            let of_them: Vec<Reading> = telling.iter().map(|&at| readings[at].clone()).collect();
+            return Self::of(&of_them, blocks, &places.select(&telling), particles, is_noise_known);
         }
         let Some(numbers) = members.numbers(readings.len()) else { return Ok(None) };
         let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
@@ -257,6 +273,35 @@ mod tests {
         assert_eq!(of(&[1, 1, 1, 2, 2, 2]), None, "six runs");
         assert_eq!(of(&[1, 1, 1, 1, 1, 1, 1, 1, 2, 2]), None, "two of the second batch");
         assert!(of(&[1, 1, 1, 1, 1, 1, 1, 2, 2, 2]).is_some());
+    }
+
+    /// A batch of one design that reads far from what is expected of it, as one that confirms, may tell of the design: whether the rig drifts is
+    /// asked of the others alone.
+    #[test]
+    fn a_batch_that_confirms_a_design_is_no_drift() {
+        for (above, seed) in [(0.0, 1), (0.0, 2), (1.0, 3), (1.0, 4)] {
+            let mut scene = Scene::new(&[21, 21]);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let mut blocks = Vec::new();
+            for batch in 1..=2 {
+                for _ in 0..10 {
+                    let digits = [rng.random_range(0..21), rng.random_range(0..21)];
+                    let [x, y] = digits.map(|digit| digit as f64 / 20.0);
+                    let normal: f64 = StandardNormal.sample(&mut rng);
+                    let shift = above * (batch - 1) as f64;
+                    scene.read(&digits, (x - 0.6).powi(2) + 2.0 * (y - 0.3).powi(2) + 0.02 * normal + shift);
+                    blocks.push(Block::Batch(batch));
+                }
+            }
+            let before = of_scene(&mut scene, &blocks).unwrap();
+            for normal in [0.02, -0.01, 0.0] {
+                scene.read(&[12, 6], 1.0 + normal);
+                blocks.push(Block::Batch(3));
+            }
+            let with_it = of_scene(&mut scene, &blocks).unwrap();
+            assert_eq!((before.is_sure(), with_it.is_sure()), (above > 0.0, above > 0.0), "{before:?} {with_it:?}");
+            assert!(with_it.shifts.len() == 2 && with_it.shifts.iter().all(|shift| shift.n_readings == 10));
+        }
     }
 
     /// (e + 3e) / 2 is 2e, of which the logarithm is 1 + ln 2; as large as numbers may be.

@@ -28,7 +28,9 @@ use crate::reproduction::progress;
 use families::{DECOYS, DISPLACED, FAMILIES, Family};
 use methods::{DISPLACED_METHODS, METHODS, Method, UNTOLD};
 use results::{Beside, Displaced, Fresh, Results, Row};
-use task::{COMPARED_SEEDS, DISPLACED_SEEDS, FRESH_SEEDS, LEVELS, SEEDS, Task, fresh_families, lowest};
+use task::{
+    COMPARED_SEEDS, DISPLACED_SEEDS, FRESH_SEEDS, LEVELS, SEEDS, Task, broken_families, fresh_families, lowest,
+};
 
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
@@ -38,6 +40,8 @@ const PEERS: &str = "fixtures/peers/results";
 const OWN: &str = METHODS[0].name;
 /// Its campaigns on fresh seeds: apart, so that peers are compared on the others.
 const FRESH: &str = "pooled-fresh";
+/// The family whose certificate was broken most often, on fresh seeds, too.
+const BROKEN: &str = "pooled-broken";
 /// Beside these, on the first of the seeds, those that are not told of the simulation.
 const FRESH_UNTOLD: &str = "pooled-untold-fresh";
 const FRESH_PEER: &str = "botorch-fresh";
@@ -55,6 +59,8 @@ pub(crate) fn run(root: &Path) -> Result<()> {
             let all =
                 COMPARED_SEEDS.chain(FRESH_SEEDS).flat_map(|seed| fresh_families().map(move |family| (family, seed)));
             run_missing(method, &mut Results::read(&root.join(OURS), FRESH)?, all)?;
+            let all = FRESH_SEEDS.flat_map(|seed| broken_families().map(move |family| (family, seed)));
+            run_missing(method, &mut Results::read(&root.join(OURS), BROKEN)?, all)?;
         }
         if method.name == UNTOLD {
             let all = COMPARED_SEEDS.flat_map(|seed| fresh_families().map(move |family| (family, seed)));
@@ -110,6 +116,9 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     for family in fresh_families().step_by(2) {
         check_rows(&METHODS[0], &fresh.ours, family, *FRESH_SEEDS.start())?;
     }
+    for family in broken_families() {
+        check_rows(&METHODS[0], &fresh.broken, family, *FRESH_SEEDS.start())?;
+    }
     for method in &DISPLACED_METHODS {
         let results = Results::read(&root.join(OURS), method.name)?;
         for family in DISPLACED.iter().step_by(2) {
@@ -140,7 +149,8 @@ fn fresh(root: &Path) -> Result<Fresh> {
         Ok(Beside { ours: ours?, others: vec![(other.words, kept?), (results::PEERS[0].words, peer)] })
     };
     let displaced = Displaced { cheap: beside(cheap, cheap_in_place)?, dear: beside(dear, dear_in_place)? };
-    Ok(Fresh { ours, compared, untold: vec![(words, untold), (results::PEERS[0].words, peer)], displaced })
+    let broken = Results::read(&root.join(OURS), BROKEN)?;
+    Ok(Fresh { ours, compared, broken, untold: vec![(words, untold), (results::PEERS[0].words, peer)], displaced })
 }
 
 fn kept(root: &Path) -> Result<Vec<Results>> {

@@ -16,7 +16,7 @@ use super::summary::{
     FLOOR, Paired, Promised, TELLING, paired, paired_after, percent, promised, regret, share_within, shared, telling,
     typical,
 };
-use super::task::{BATCHES, COMPARED_SEEDS, FRESH_SEEDS, SEEDS, fresh_families};
+use super::task::{BATCHES, COMPARED_SEEDS, FRESH_SEEDS, SEEDS, broken_families, fresh_families};
 use crate::first_screen::around;
 use crate::words::capitalized;
 
@@ -290,7 +290,7 @@ fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Fresh) -> Vec<Finding>
         FAMILIES.iter().partition(|family| TUNED_ON.contains(&family.name));
     let mut findings = vec![how_close(ours, &tuned, &others), beside_first(methods, ours)];
     findings.push(Finding::new(where_others_are_better(methods, ours)));
-    let [promised, in_detail] = what_was_promised(ours);
+    let [promised, in_detail] = what_was_promised(ours, &fresh.broken);
     findings.push(promised);
     findings.push(on_fresh_seeds(&fresh.ours));
 
@@ -631,7 +631,7 @@ fn telling_promises(results: &Results, families: &mut dyn Iterator<Item = &'stat
     )
 }
 
-fn what_was_promised(ours: &Results) -> [Finding; 2] {
+fn what_was_promised(ours: &Results, again: &Results) -> [Finding; 2] {
     let (mut campaigns, mut breached, mut elsewhere) = (0, 0, [0, 0]);
     let mut worst = (0.0, String::new());
     for family in &FAMILIES {
@@ -666,9 +666,10 @@ fn what_was_promised(ours: &Results) -> [Finding; 2] {
             elsewhere[0], elsewhere[1]
         ),
         format!(
-            "Most often in {}: {:.0} % of the campaigns.",
+            "Most often in {}: {:.0} % of the campaigns.{}",
             if worst.1.is_empty() { "none" } else { &worst.1 },
-            100.0 * worst.0
+            100.0 * worst.0,
+            broken_again(again)
         ),
         format!(
             "After batch {BATCHES} c is {} % of the range with 2 parameters, {} % with 4 and {} % with 6 (median of the families' medians).",
@@ -678,6 +679,22 @@ fn what_was_promised(ours: &Results) -> [Finding; 2] {
         ),
     ];
     [promised, Finding::new("About the certificate:").with_sentences(details)]
+}
+
+/// Of the families that are run on fresh seeds for it, how often it was broken there.
+fn broken_again(again: &Results) -> String {
+    let of_family = |family: &Family| {
+        let each = by_batch(again, family)?;
+        let broken = each.iter().map(|one| one.breached.to_string()).collect::<Vec<_>>().join(", ");
+        let campaigns = each.first()?.campaigns;
+        Some(format!(
+            " On fresh seeds, {} to {}, of {campaigns} campaigns of `{}` in {broken} after batches 1 to {BATCHES}.",
+            FRESH_SEEDS.start(),
+            FRESH_SEEDS.end(),
+            family.name
+        ))
+    };
+    broken_families().filter_map(of_family).collect()
 }
 
 fn others_table(methods: &[Kept<'_>], ours: &Results) -> Table {

@@ -131,6 +131,8 @@ pub(super) struct Fresh {
     pub(super) ours: Results,
     /// Those that others ran, too.
     pub(super) compared: Results,
+    /// Of the family whose certificate was broken most often on the seeds of all.
+    pub(super) broken: Results,
     /// Those that are not told of it, in words.
     pub(super) untold: Vec<(&'static str, Results)>,
     pub(super) displaced: Displaced,
