@@ -37,8 +37,15 @@ fn name(entry: &Value) -> Option<&str> {
     entry.get("name")?.as_str()
 }
 
+/// A list of what has names by these.
 fn set(value: &Value) -> String {
-    if value.is_null() { "not set".to_owned() } else { value.to_string() }
+    let names =
+        value.as_array().filter(|all| !all.is_empty()).map(|all| all.iter().map(name).collect::<Option<Vec<_>>>());
+    match (value, names.flatten()) {
+        (Value::Null, _) => "not set".to_owned(),
+        (_, Some(names)) => names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        (value, None) => value.to_string(),
+    }
 }
 
 #[cfg(test)]
@@ -50,9 +57,11 @@ mod tests {
     #[test]
     fn changes_are_named_by_their_place() {
         let then = json!({"parameter": [{"name": "a", "upper": 1.0}, {"name": "b"}], "loop": {"seed": 1}});
-        let now = json!({"parameter": [{"name": "a", "upper": 2.0}, {"name": "c"}], "loop": {"seed": 1, "gain": 0.5}});
+        let now = json!({"parameter": [{"name": "a", "upper": 2.0}, {"name": "c"}], "loop": {"seed": 1, "gain": 0.5},
+            "held": [{"name": "heat", "upper": 3.0}, {"name": "force"}]});
         let found = changes(&then, &now);
         let expected = [
+            "`held` was not set and is `heat`, `force`",
             "`loop.gain` was not set and is 0.5",
             "`parameter[a].upper` was 1.0 and is 2.0",
             "`parameter[2].name` was \"b\" and is \"c\"",

@@ -60,6 +60,7 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
     let (mut at, mut settings, mut core): (&str, Option<&Value>, Option<&Value>) = ("", None, None);
     let mut simulator: Option<&str> = None;
     let mut displacement: Option<&[f64]> = None;
+    let mut drifting: &[String] = &[];
     let mut index = 0;
     while let Some((line, event)) = events.get(index) {
         // What was written at once is one thing, and so are simulations one after the other.
@@ -128,6 +129,8 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
                 let deviations = now.and_then(|simulation| simulation.deviations.as_deref());
                 add("learned", displaced(campaign, found.batch, by, deviations));
             }
+            let before = std::mem::replace(&mut drifting, &found.drifting);
+            drifts(found.batch, before, drifting).into_iter().for_each(|sentence| add("learned", sentence));
         }
     }
     entries
@@ -152,6 +155,15 @@ fn another<'a>(simulator: &mut Option<&'a str>, by: &'a str) -> Option<String> {
 /// Whether this is the first submission of the same batch.
 fn is_first_of(event: &Event, submitted: &Submitted) -> bool {
     matches!(event, Event::Submitted(first) if first.name.batch == submitted.name.batch)
+}
+
+/// What is said of responses that drift, and did not before, or no more.
+fn drifts(batch: usize, before: &[String], now: &[String]) -> Vec<String> {
+    let new = now.iter().filter(|name| !before.contains(name));
+    let new = new.map(|name| format!("after batch {batch}: `{name}` drifts, runs of one batch read alike."));
+    let gone = before.iter().filter(|name| !now.contains(name));
+    let gone = gone.map(|name| format!("after batch {batch}: results are not sure any more that `{name}` drifts."));
+    new.chain(gone).collect()
 }
 
 /// What is said where the simulation is taken to be displaced, and was not before, or otherwise, or no more.

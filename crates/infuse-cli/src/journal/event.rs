@@ -192,6 +192,9 @@ pub(crate) struct Assessed {
     /// What the surface made of the simulation; none without one, and in journals of an earlier version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) simulation: Option<OfSimulation>,
+    /// The responses of which results were sure that they drift from batch to batch.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) drifting: Vec<String>,
     /// Of this line and all before it; see [`Checksum`](super::checksum::Checksum).
     #[serde(default)]
     pub(crate) check: String,

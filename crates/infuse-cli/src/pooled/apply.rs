@@ -9,6 +9,7 @@ use infuse::pooled::Trial;
 
 use super::buildable::some_are_refused;
 use super::campaign::{Batch, Campaign, Checked, Remembered};
+use super::drift;
 use super::findings::promised;
 use crate::campaign::{Imported, checked};
 use crate::journal::{Assessed, Event, JOURNAL, OfSimulation, Submitted, Writer};
@@ -79,6 +80,7 @@ impl Campaign {
         };
         Ok(assessment.map(|found| {
             let bound = promised(self, &found);
+            let drifting = drift::drifting(self, &found).map(str::to_owned).collect();
             let assessed = Assessed {
                 batch,
                 bound,
@@ -102,6 +104,7 @@ impl Campaign {
                         .filter(|told| told.is_sure())
                         .map(|told| told.deviations.clone()),
                 }),
+                drifting,
                 check: String::new(),
             };
             (found.recommended.cell, assessed)

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use crate::campaign::{Experiments, Imported, Reading};
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
 use crate::number::{count, plain};
-use crate::problem::{PROBLEM, Problem, Scale, Simulator, linear_in_words};
+use crate::problem::{Goal, PROBLEM, Problem, Scale, Simulator, linear_in_words};
 use crate::simulator::{Job, Rows, identity, looked_up};
 
 /// Designs of which a command simulates all.
@@ -209,10 +209,13 @@ impl Campaign {
         if let Some(stop_by) = said.as_object_mut().and_then(|said| said.remove("stop_by")) {
             said["by"] = stop_by;
         }
+        if let Some(least) = self.settings.least {
+            said.as_object_mut().and_then(|said| said.remove("least"));
+            said[if response.goal == Goal::Minimize { "lower" } else { "upper" }] = json!(response.of_cost(least));
+        }
         if response.scale == Scale::Log {
             said["noise"] = json!(self.problem.rule.noise);
             said["worth"] = json!(self.problem.worth);
-            said["least"] = json!(self.settings.least.map(|least| response.of_cost(least)));
             said["scale"] = json!(response.scale);
         }
         said

@@ -20,6 +20,33 @@ pub(super) fn is_sure(found: &Assessment) -> bool {
     found.drift.as_ref().is_some_and(Drift::is_sure)
 }
 
+/// The responses of which the results are sure that they drift.
+pub(super) fn drifting<'a>(campaign: &'a Campaign, found: &'a Assessment) -> impl Iterator<Item = &'a str> {
+    let problem = &campaign.problem;
+    let names = std::iter::once(problem.response.name.as_str()).chain(problem.constraints.iter().map(Held::name));
+    let drifts = std::iter::once(&found.drift).chain(&found.constrained_drifts);
+    let sure = names.zip(drifts).filter(|(_, drift)| drift.as_ref().is_some_and(Drift::is_sure));
+    sure.map(|(name, _)| name)
+}
+
+/// That results were sure of it after the batch before, and are not any more.
+pub(super) fn no_more(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    if campaign.settings.blocks.is_some() || campaign.settings.plants.is_some() {
+        return None;
+    }
+    let before = campaign.history.range(..campaign.batches.len()).next_back()?.1;
+    let now: Vec<&str> = drifting(campaign, found).collect();
+    let gone: Vec<String> =
+        before.drifting.iter().filter(|name| !now.contains(&name.as_str())).map(|name| format!("`{name}`")).collect();
+    let sentence = format!(
+        "Careful: after batch {} the results were sure that runs of one batch read alike in {}; by all that is known now they are not, so that \
+         nothing is taken in for that. One result far from all others can do so. `blocks = true` in [loop] keeps it.",
+        before.batch,
+        gone.join(", ")
+    );
+    (!gone.is_empty()).then(|| Finding::new(sentence))
+}
+
 /// That the rig drifts, as far as results are sure of it, and what allows for that: of the response, and of each one that is constrained.
 pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
     let response = &campaign.problem.response;
@@ -31,7 +58,8 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
             None => (drift.noise, None),
         };
         let finding = warning("", &named, &response.amount(noise), drift, shared);
-        let (deviation, unit) = (response.of_difference(drift.deviation), response.unit_of_differences());
+        let deviation = response.of_difference(found.assembly.unwrap_or(drift.deviation));
+        let unit = response.unit_of_differences();
         finding.with("shared by runs of a batch", deviation, unit)
     });
     let of_each = campaign.problem.constraints.iter().zip(&found.constrained_drifts).enumerate();
@@ -40,9 +68,9 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
         let amount = |amount: f64| with_unit(&short(amount), &held.unit);
         let named = named(&drift.shifts, |by| above(by, amount, if by < 0.0 { "below" } else { "above" }));
         let what = format!(" in `{}`", held.name());
-        let shared = found.constrained_shared.get(index).copied().flatten().map(amount);
-        let finding = warning(&what, &named, &amount(drift.noise), drift, shared);
-        Some(finding.with("shared by runs of a batch", drift.deviation, &held.unit))
+        let shared = found.constrained_shared.get(index).copied().flatten();
+        let finding = warning(&what, &named, &amount(drift.noise), drift, shared.map(amount));
+        Some(finding.with("shared by runs of a batch", shared.unwrap_or(drift.deviation), &held.unit))
     });
     of_response.into_iter().chain(of_constraints).collect()
 }
@@ -118,11 +146,16 @@ fn of_block(block: &Block) -> String {
     }
 }
 
-/// For programs.
+/// For programs: what is said in words, of the error that is taken in where one is.
 pub(super) fn as_json(campaign: &Campaign, found: &Assessment) -> Value {
     let response = &campaign.problem.response;
+    let taken_in = found.assembly.filter(|_| !found.shifts.is_empty());
+    let drift = found.drift.clone().map(|drift| match taken_in {
+        Some(deviation) => Drift { deviation, noise: found.noise, shifts: found.shifts.clone(), ..drift },
+        None => drift,
+    });
     in_json(
-        found.drift.as_ref(),
+        drift.as_ref(),
         |deviation| response.of_difference(deviation),
         |by| response.of_difference(response.of_deviations(by)),
     )

@@ -19,9 +19,19 @@ const RISEN: f64 = 1.02;
 const OTHER: f64 = 1.1;
 /// So many reasons are said.
 const MOST_SAID: usize = 3;
-/// Settings of the loop that the bound hangs on, but for the bounds of the response.
-const MATTER: [&str; 8] =
-    ["confidence", "noise", "smooth", "displaced", "blocks", "constraints", "linear_constraints", "plants"];
+/// Settings that the bound hangs on.
+const MATTER: [&str; 10] = [
+    "confidence",
+    "noise",
+    "smooth",
+    "displaced",
+    "blocks",
+    "constraints",
+    "linear_constraints",
+    "plants",
+    "lower",
+    "upper",
+];
 
 /// That the bound was narrower a batch ago, and why.
 pub(super) fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
@@ -95,9 +105,6 @@ fn changed(campaign: &Campaign, before: &Assessed) -> Vec<String> {
         Value::Object(entries.collect::<Map<String, Value>>())
     };
     let mut changed = changes(&those_that_matter(&before.settings), &those_that_matter(&now));
-    if before.settings.get("least").is_some_and(|least| *least != value(&now, "least")) {
-        changed.push("`lower` or `upper` of [response] is another".to_owned());
-    }
     let by = identity(&campaign.problem.simulator);
     if before.by.as_ref().is_some_and(|then| *then != by) {
         changed.push("the simulator is another".to_owned());

@@ -47,6 +47,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     warnings.extend(beyond_the_bounds(campaign));
     warnings.extend(another_unit(campaign));
     warnings.extend(drift::warnings(campaign, found));
+    warnings.extend(drift::no_more(campaign, found));
     warnings.extend(at_an_end(campaign));
     warnings.extend(too_large(campaign, found));
     warnings.extend(all_equal(campaign));

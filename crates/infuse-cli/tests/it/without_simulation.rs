@@ -205,6 +205,17 @@ fn a_rig_that_drifts_is_said_and_taken_in() {
     assert!(status.contains(said) && status.contains("That is taken in: they share an error of"), "{status}");
     let json = rig.status();
     assert_eq!(json["drift"]["is_sure"], true, "{json}");
+    // One number of each, wherever it stands.
+    assert_eq!(
+        (&json["drift"]["shifts"], &json["drift"]["standard_deviation"]),
+        (&json["shifts"], &json["shared_error_of_a_batch"])
+    );
+    let log = rig.infuse(&["log"]).ok();
+    assert!(
+        log.contains("after batch 3: `y` drifts, runs of one batch read alike.")
+            || log.contains("after batch 2: `y` drifts"),
+        "{log}"
+    );
     let by = |json: &serde_json::Value, at: usize| json["shifts"][at]["by"].as_f64().unwrap();
     let are_far = |json: &serde_json::Value| by(json, 1) - by(json, 0) > 6.0 && by(json, 0) - by(json, 2) > 6.0;
     assert!(are_far(&json) && json["shared_error_of_a_batch"].as_f64().unwrap() > 4.0, "{json}");
@@ -289,6 +300,33 @@ fn what_is_left_of_what_is_maximized_is_up_to_its_best() {
     }
     let status = rig.infuse(&["status"]).ok();
     assert!(status.contains("More is not to be had: that is what is left up to 21 N, the best that"), "{status}");
+}
+
+/// What was read otherwise in the second batch is put right: that the rig drifts is said no more, and that it was.
+#[test]
+fn a_drift_that_is_gone_is_said_to_be() {
+    let rig = rig("");
+    let mut told: Vec<(u64, f64)> = Vec::new();
+    for shift in [0.0, 12.0, -12.0] {
+        let asked = ask(&rig);
+        tell(&rig, asked["experiments"].as_array().unwrap(), |a, b, id| {
+            let value = 50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id);
+            told.push((id, value));
+            Ok(value + shift)
+        });
+    }
+    assert_eq!(rig.status()["drift"]["is_sure"], true, "{}", rig.status());
+    let mut right = "id,y [N]\n".to_owned();
+    told.iter().for_each(|(id, value)| right.push_str(&format!("{id},{value}\n")));
+    rig.write("right.csv", &right);
+    rig.infuse(&["tell", "right.csv", "--correct"]).ok();
+    let status = rig.infuse(&["status"]).ok();
+    let said = "Careful: after batch 2 the results were sure that runs of one batch read alike in `y`; by all that is known now they are not";
+    assert!(status.contains(said), "{status}");
+    assert!(batch(&rig, |a, b, id| Ok(50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2) + wobble(id))));
+    let log = rig.infuse(&["log"]).ok();
+    assert!(log.contains(": results are not sure any more that `y` drifts."), "{log}");
+    assert!(!rig.infuse(&["status"]).ok().contains("read alike"), "it was said after the batch before");
 }
 
 /// Student's interval by all repeats of the campaign, those of earlier batches among them; with `blocks` by those of one batch.
