@@ -65,9 +65,20 @@ impl Readings {
 
     fn with_drifts(self, knowledge: &mut Knowledge<'_, '_>, is_noise_known: bool) -> Result<Self, Error> {
         let Self { kept, constrained, blocks, constrained_blocks, .. } = &self;
-        let cells: Vec<Cell> = kept.iter().map(|reading| reading.cell).collect();
-        let places = knowledge.places(&cells)?;
-        let drift = Drift::of(kept, blocks, &places, knowledge.process.particles(), is_noise_known)?;
+        // One that is far off would make noise of what blocks share.
+        let usual = kept.iter().zip(surprises(knowledge, kept)).filter(|(_, surprise)| surprise.abs() <= FAR_OFF);
+        let usual: Vec<Reading> = usual.map(|(reading, _)| reading.clone()).collect();
+        let mut drift_of = |readings: &[Reading]| {
+            let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
+            let places = knowledge.places(&cells)?;
+            Drift::of(readings, blocks, &places, knowledge.process.particles(), is_noise_known)
+        };
+        let mut drift = drift_of(kept)?;
+        if usual.len() < kept.len() {
+            let gain = |drift: &Option<Drift>| drift.as_ref().map_or(f64::NEG_INFINITY, |drift| drift.gain);
+            let of_usual = drift_of(&usual)?;
+            drift = if gain(&of_usual) > gain(&drift) { of_usual } else { drift };
+        }
         let constrained_drifts = knowledge.constrained_drifts(constrained, constrained_blocks)?;
         Ok(Self { drift, constrained_drifts, ..self })
     }
@@ -90,6 +101,8 @@ const MOST_SUSPECT: usize = 2;
 /// repeated settings than so many, by so many times the usual difference of repeats, if that is less.
 const UNUSUAL: f64 = 6.0;
 const ENOUGH_REPEATED: usize = 3;
+/// Whether a rig drifts is asked once more without readings that are so many standard deviations from what all others say.
+const FAR_OFF: f64 = 3.0;
 /// At most so many settings are looked into.
 const MOST_LOOKED_INTO: usize = 8;
 /// Fewer readings of other settings do not tell what to expect, where their noise is not given.

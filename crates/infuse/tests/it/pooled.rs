@@ -859,6 +859,26 @@ fn a_rig_that_drifts_is_said_to_and_taken_in() {
     assert!(said >= 4 && taken_in >= 4 && better >= 0.0, "{said}, {taken_in} of 5, {better}");
 }
 
+/// One result of the last batch is far from all others: what was known of a drift is not forgotten for that.
+#[test]
+fn one_slip_hides_no_drift() {
+    let sure = |slip: f64| {
+        let is_sure = |seed: &u64| {
+            let mut campaign = campaign(2, 21, batches(10, 4, *seed));
+            let mut measure = noisy(*seed, 0.02, truth);
+            let mut drifting = |trial: &Trial| {
+                let slip = if trial.id.number() == 33 { slip } else { 0.0 };
+                Ok(measure(trial)? + [0.0, 0.1, -0.1, 0.1][trial.batch - 1] + slip)
+            };
+            campaign.run(&mut simulation, &mut drifting).expect("a campaign that ends");
+            assessed(&mut campaign).drift.as_ref().is_some_and(Drift::is_sure)
+        };
+        (1..=6).filter(is_sure).count()
+    };
+    let (without, with) = (sure(0.0), sure(3.0));
+    assert!(without >= 5 && with >= 5, "{without} and {with} of 6");
+}
+
 /// Experiments from elsewhere that all read more: their source is a block of its own.
 #[test]
 fn earlier_experiments_of_another_rig_share_an_error() {
