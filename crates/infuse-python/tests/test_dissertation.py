@@ -64,7 +64,7 @@ def test_a_saved_campaign_goes_on_with_the_same_bits(tmp_path: Path) -> None:
     for one in (read, loop):
         one.run(simulation, rig)
     assert read.reports() == loop.reports() and read.assess() == loop.assess()
-    with pytest.raises(Error, match='a campaign of kind "global" and format 1, expected "pooled" and 1'):
+    with pytest.raises(Error, match='a campaign of kind "global" and format 1, expected "pooled" and 2'):
         infuse.PooledLoop.load(tmp_path / "c.json")
 
 

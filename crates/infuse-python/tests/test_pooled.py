@@ -202,7 +202,7 @@ def test_dear_simulations_are_due(tmp_path: Path) -> None:
     assert (PooledLoop.load(tmp_path / "c.json").due == loop.due).all()
     loop.tell_simulations(loop.due, simulation(loop.due))
     assert len(loop.due) == 0 and len(loop.ask()) == 4
-    assert loop.run(simulation, rig) == "max_batches"
+    assert loop.run(simulation, rig) == "batch_limit"
 
 
 def test_data_frames_in_and_out() -> None:

@@ -163,7 +163,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         (text[:-20], "it ends too early, in line [0-9]+ at character [0-9]+, expected a campaign as `save` writes it"),
         (text.replace(":", ";", 1), "it is damaged, in line 2"),
         ("{}", "it names no kind or no format"),
-        (text.replace('"due"', '"dew"'), "changed by hand or is damaged: unknown field `dew`"),
+        (text.replace('"trials"', '"trails"'), "changed by hand or is damaged: unknown field `trails`"),
     ]
     for damaged, message in damages:
         path.write_text(damaged)

@@ -16,7 +16,7 @@ def test_pooled_campaign(rust: Dict[str, Any]) -> None:
         return float("nan") if settings["damper"] > 380.0 else rig(settings)
 
     loop = infuse.PooledLoop(SPRING_AND_DAMPER, 6, max_batches=3, seed=7)
-    assert loop.run(simulation, experiment) == "max_batches"
+    assert loop.run(simulation, experiment) == "batch_limit"
     assert [list(record.settings.values()) for record in loop.records()] == rust["pooled"]["points"]
     assert any(record.failed for record in loop.records())
     found, expected = loop.assess(simulation), rust["pooled"]["assessment"]

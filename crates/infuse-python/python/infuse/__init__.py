@@ -19,7 +19,7 @@ of the same names; the same seed gives the same bits here and there.
 >>> def rig(settings):  # the best is elsewhere
 ...     return ((settings["spring"] - 34) / 20) ** 2 + ((settings["damper"] - 220) / 200) ** 2
 >>> loop.run(simulate, rig)
-'max_batches'
+'batch_limit'
 >>> loop.assess(simulate).recommended.settings
 {'spring': 34.0, 'damper': 220.0}
 """
