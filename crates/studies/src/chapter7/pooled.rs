@@ -72,7 +72,10 @@ impl PooledCampaign {
     /// As many experiments and simulations in each batch, and as many batches, as the other loop has; of the first batch's
     /// simulations those at its experiments are a part.
     fn run(rig: &StandInRig<'_>, budget: &global::Settings, finished: &impl Fn()) -> Result<Self> {
-        let settings = Self::settings(budget, rig.seed);
+        let mut settings = Self::settings(budget, rig.seed);
+        // A stand-in reads the same in every batch, and the loop is told so: left to itself it took what it does not expect for a drift in one
+        // campaign.
+        settings.blocks = Some(false);
         let mut first = settings.clone();
         first.simulations = Some(budget.n_simulations.saturating_sub(budget.n_experiments).max(2));
         let mut campaign = Loop::new(rig.space.region(), first)?;

@@ -124,6 +124,8 @@ pub(super) fn pooled_loop(task: &Task<'_>, seed: u64) -> Result<Vec<Step>> {
     (settings.max_batches, settings.seed) = (batches, seed);
     // The rows that are kept were run so, as the page says.
     settings.displaced = false;
+    // A stand-in reads the same in every batch.
+    settings.blocks = Some(false);
     // Of the first batch's simulations those at its experiments are a part.
     settings.simulations = Some(simulations.saturating_sub(experiments).max(2));
     let mut campaign = pooled::Loop::new(task.space.region(), settings.clone())?;
