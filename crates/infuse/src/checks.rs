@@ -14,6 +14,11 @@ pub(crate) fn check_count(name: &'static str, expected: usize, found: usize, per
     if found == expected { Ok(()) } else { Err(Error::WrongCount { name, found, expected, per }) }
 }
 
+/// The format of a saved campaign.
+pub(crate) fn check_format(found: u32, supported: u32) -> Result<(), Error> {
+    if found == supported { Ok(()) } else { Err(Error::StateFormat { found, supported }) }
+}
+
 pub(crate) fn check_cells(n_cells: usize) -> Result<(), Error> {
     if n_cells == 0 { Err(Error::EmptyRegion) } else { Ok(()) }
 }

@@ -11,7 +11,6 @@ use anyhow::{Result, anyhow, bail, ensure};
 use design_space::{Cell, Grid};
 use indicatif::ProgressBar;
 use infuse::global::PureError;
-use infuse::pooled::reported::Drift;
 use infuse::pooled::{Assessment, Loop, Reason, Responses, Settings, Simulate};
 use infuse::{Error, Outcome, TrialId};
 use serde_json::{Value, json};
@@ -513,7 +512,7 @@ impl Campaign {
     /// The readings of the loop in its order, each with its settings and its cost. Where runs of a batch share an error, as the file says or as
     /// they drift, those of another batch are no repeats: what they are of stands behind the settings.
     pub(super) fn runs_to_compare(&self, found: &Assessment) -> Vec<(Vec<f64>, f64)> {
-        let is_of_blocks = self.settings.blocks == Some(true) || found.drift.as_ref().is_some_and(Drift::is_sure);
+        let is_of_blocks = self.settings.blocks == Some(true) || found.is_drifting();
         let mut runs = self.runs();
         if is_of_blocks {
             let readings = self.readings();

@@ -15,11 +15,6 @@ use crate::problem::Held;
 const MOST_NAMED: usize = 6;
 const FEWEST: usize = 3;
 
-/// Whether the results are sure that the rig drifts.
-pub(super) fn is_sure(found: &Assessment) -> bool {
-    found.drift.as_ref().is_some_and(Drift::is_sure)
-}
-
 /// The responses of which the results are sure that they drift.
 pub(super) fn drifting<'a>(campaign: &'a Campaign, found: &'a Assessment) -> impl Iterator<Item = &'a str> {
     let problem = &campaign.problem;
@@ -52,7 +47,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     let response = &campaign.problem.response;
     let of_response = found.drift.as_ref().filter(|drift| drift.is_sure()).map(|drift| {
         let shifts = if found.shifts.is_empty() { &drift.shifts } else { &found.shifts };
-        let named = named(shifts, |by| above(by, |by| response.amount(by), response.side(by)));
+        let named = named_of_response(campaign, shifts);
         let (noise, shared) = match found.assembly {
             Some(shared) => (found.noise, Some(response.amount(shared))),
             None => (drift.noise, None),
@@ -66,7 +61,8 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     let of_constraints = of_each.filter_map(|(index, (held, drift))| {
         let drift = drift.as_ref().filter(|drift| drift.is_sure())?;
         let amount = |amount: f64| with_unit(&short(amount), &held.unit);
-        let named = named(&drift.shifts, |by| above(by, amount, if by < 0.0 { "below" } else { "above" }));
+        let side = |by: f64| if by < 0.0 { "below" } else { "above" };
+        let named = named(&drift.shifts, |by| format!("{} {}", amount(by.abs()), side(by)));
         let what = format!(" in `{}`", held.name());
         let shared = found.constrained_shared.get(index).copied().flatten();
         let finding = warning(&what, &named, &amount(drift.noise), drift, shared.map(amount));
@@ -75,8 +71,10 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     of_response.into_iter().chain(of_constraints).collect()
 }
 
-fn above(by: f64, amount: impl Fn(f64) -> String, side: &str) -> String {
-    format!("{} {side}", amount(by.abs()))
+/// By how much blocks are off in the response, as [`named`] has them.
+fn named_of_response(campaign: &Campaign, shifts: &[Shift]) -> String {
+    let response = &campaign.problem.response;
+    named(shifts, |by| format!("{} {}", response.amount(by.abs()), response.side(by)))
 }
 
 /// `shared` is the error that runs of a block share, where it is taken in.
@@ -105,7 +103,7 @@ pub(super) fn shared(campaign: &Campaign, found: &Assessment) -> Option<Finding>
     let is_said = campaign.settings.blocks == Some(true) && campaign.settings.plants.is_none();
     let shared = found.assembly.filter(|_| is_said)?;
     let response = &campaign.problem.response;
-    let named = named(&found.shifts, |by| above(by, |by| response.amount(by), response.side(by)));
+    let named = named_of_response(campaign, &found.shifts);
     let named = if named.is_empty() { named } else { format!(" In the mean {named} what is expected of them.") };
     let sentence = format!(
         "Runs of a batch, or of a source, share an error, as `blocks` in [loop] says: {} (standard deviation), as far as the runs tell it \

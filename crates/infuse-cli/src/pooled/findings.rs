@@ -660,7 +660,7 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
             .filter(|repeats| scatter_far_less(repeats.variance, repeats.degrees_of_freedom, found.noise))
         {
             Some(repeats) => {
-                let rest = match drift::is_sure(found) && found.assembly.is_none() {
+                let rest = match found.is_drifting() && found.assembly.is_none() {
                     true => "what runs of a batch share, as far as it goes",
                     false => "what the surface misses, as a well or an edge that is narrower than it expects",
                 };

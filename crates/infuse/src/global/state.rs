@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::Error;
 use crate::Outcome;
+use crate::checks::check_format;
 use crate::global::agreement::Agreement;
 use crate::global::batch::DesignSpace;
 use crate::global::campaign::Loop;
@@ -59,9 +60,7 @@ impl<'de> Deserialize<'de> for Loop {
 /// was chosen exactly, what was computed to [rounding](Agreement). The numbers found are those that stay. The
 /// designs are checked to be designs over what was left, and are not searched for again.
 fn replayed(state: State) -> Result<Loop, Error> {
-    if state.format != FORMAT {
-        return Err(Error::StateFormat { found: state.format, supported: FORMAT });
-    }
+    check_format(state.format, FORMAT)?;
     let mut campaign = Loop::new(&state.region, state.settings)?;
     campaign.earlier = checked_earlier(state.earlier, &state.region, state.history.len() + 1)?;
     for report in &state.history {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::checks::check_format;
 use crate::correction::Local;
 use crate::gradient::campaign::{Loop, OpenIteration};
 use crate::gradient::identifying::{IdentifyingLoop, Mechanism, Now, Turn};
@@ -51,9 +52,7 @@ impl<'de> Deserialize<'de> for IdentifyingLoop {
 /// Replays the campaign: every turn must follow from its optimum, what it carried and the outcomes of its trials, number for
 /// number. What the model said, fits and slopes, is taken as it stands: the model is not here.
 fn replayed(state: State) -> Result<IdentifyingLoop, Error> {
-    if state.format != FORMAT {
-        return Err(Error::StateFormat { found: state.format, supported: FORMAT });
-    }
+    check_format(state.format, FORMAT)?;
     let mut campaign = begun(&state)?;
     for turn in &state.turns {
         check_model(&campaign, &turn.unknowns, turn.identification.as_ref(), &turn.carried)?;

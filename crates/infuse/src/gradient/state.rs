@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::checks::check_format;
 use crate::gradient::campaign::{Loop, OpenIteration};
 use crate::gradient::numerical::NumericalOptimum;
 use crate::gradient::report::{Report, StopReason};
@@ -38,9 +39,7 @@ impl<'de> Deserialize<'de> for Loop {
 /// Replays the campaign: every closed iteration must follow from its optimum and the outcomes of its trials, number for
 /// number.
 fn replayed(state: State) -> Result<Loop, Error> {
-    if state.format != FORMAT {
-        return Err(Error::StateFormat { found: state.format, supported: FORMAT });
-    }
+    check_format(state.format, FORMAT)?;
     let mut campaign = Loop::new(state.problem, state.settings)?;
     for report in state.history {
         let iteration = campaign.iteration();

@@ -231,6 +231,12 @@ impl Assessment {
         (self.needed.is_none() && is_kept).then_some(self.certificate.bound)
     }
 
+    /// Whether readings of the response are sure of a [drift](Self::drift).
+    #[must_use]
+    pub fn is_drifting(&self) -> bool {
+        self.drift.as_ref().is_some_and(Drift::is_sure)
+    }
+
     /// With what nobody needs to choose a batch.
     pub(crate) fn with_shifts(
         self,

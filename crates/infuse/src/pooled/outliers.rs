@@ -65,18 +65,16 @@ impl Readings {
 
     fn with_drifts(self, knowledge: &mut Knowledge<'_, '_>, is_noise_known: bool) -> Result<Self, Error> {
         let Self { kept, constrained, blocks, constrained_blocks, .. } = &self;
+        let cells: Vec<Cell> = kept.iter().map(|reading| reading.cell).collect();
+        let (places, surprises) = (knowledge.places(&cells)?, surprises(knowledge, kept));
+        let particles = knowledge.process.particles();
+        let mut drift = Drift::of(kept, blocks, &places, particles, is_noise_known)?;
         // One that is far off would make noise of what blocks share.
-        let usual = kept.iter().zip(surprises(knowledge, kept)).filter(|(_, surprise)| surprise.abs() <= FAR_OFF);
-        let usual: Vec<Reading> = usual.map(|(reading, _)| reading.clone()).collect();
-        let mut drift_of = |readings: &[Reading]| {
-            let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
-            let places = knowledge.places(&cells)?;
-            Drift::of(readings, blocks, &places, knowledge.process.particles(), is_noise_known)
-        };
-        let mut drift = drift_of(kept)?;
+        let usual: Vec<usize> = (0..kept.len()).filter(|&at| surprises[at].abs() <= FAR_OFF).collect();
         if usual.len() < kept.len() {
+            let of_them: Vec<Reading> = usual.iter().map(|&at| kept[at].clone()).collect();
+            let of_usual = Drift::of(&of_them, blocks, &places.select(&usual), particles, is_noise_known)?;
             let gain = |drift: &Option<Drift>| drift.as_ref().map_or(f64::NEG_INFINITY, |drift| drift.gain);
-            let of_usual = drift_of(&usual)?;
             drift = if gain(&of_usual) > gain(&drift) { of_usual } else { drift };
         }
         let constrained_drifts = knowledge.constrained_drifts(constrained, constrained_blocks)?;
@@ -191,13 +189,14 @@ pub(crate) fn learnt<'a, 's>(
     simulated: &'a mut Simulated,
     source: Source<'s>,
 ) -> Result<(Knowledge<'a, 's>, Readings), Error> {
-    let is_allowed_for = settings.plants.is_some() || settings.blocks == Some(true);
-    if is_allowed_for && settings.plants.is_none() {
+    let has_plants = settings.plants.is_some();
+    let are_told = settings.blocks == Some(true) && !has_plants;
+    if are_told {
         measurements.share(true, |_| true);
     }
     let knowledge = Knowledge::of(&measurements, designs, settings, simulated, source)?;
     let (mut knowledge, readings) = without_slips(knowledge, measurements.clone(), settings)?;
-    if is_allowed_for {
+    if has_plants || are_told {
         return Ok((knowledge, readings));
     }
     let readings = readings.with_drifts(&mut knowledge, settings.noise.is_some())?;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use design_space::{Cell, Region};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::checks::check_format;
 use crate::pooled::campaign::{Earlier, Loop, Record, Trial};
 use crate::pooled::reason::Reason;
 use crate::pooled::settings::Settings;
@@ -92,9 +93,7 @@ impl<'de> Deserialize<'de> for Loop {
 /// The campaign that was told all this, if it can have been.
 fn told_anew(state: State) -> Result<Loop, Error> {
     let State { format, region, settings, trials, earlier, simulated, due, refused } = state;
-    if format != FORMAT {
-        return Err(Error::StateFormat { found: format, supported: FORMAT });
-    }
+    check_format(format, FORMAT)?;
     let mut campaign = Loop::new(&region, settings)?;
     for batch in trials.chunk_by(|a, b| a.trial.batch == b.trial.batch) {
         hand_out_anew(&mut campaign, batch)?;

@@ -152,7 +152,7 @@ impl Which {
                 regret: (pair.truth)(&found.recommended.point) - best,
                 bound: found.certificate.bound,
                 gain: found.drift.as_ref().map(|drift| drift.gain),
-                is_said: found.drift.as_ref().is_some_and(|drift| drift.is_sure()),
+                is_said: found.is_drifting(),
                 shared: found.assembly.map(|shared| shared / pair.noise),
             });
         }

@@ -15,8 +15,8 @@ pub(crate) const HEADING: &str = "The pooled loop, on the same rig";
 pub(crate) const WHAT: &str = "The loop of `infuse::pooled` is not the dissertation's. It keeps all experiments and the simulation in one \
     surface, drops nothing for good, and says after every batch how much better than its recommendation another design may be. Here it \
     meets the same stand-in (no experiment was made for it either), the same cells, the same seeds of noise, and the same numbers of \
-    experiments and simulations in every batch; its own draws follow from the seed of the noise. It takes the \
-    simulation as it stands, and looks for no displacement of it, nor for a drift of the stand-in, which has none. Nothing in it was tuned to this rig.";
+    experiments and simulations in every batch; its own draws follow from the seed of the noise. It looks for a \
+    displacement of the simulation, as it does by itself, and for no drift of the stand-in, which has none. Nothing in it was tuned to this rig.";
 
 const CAPTION: &str = "True cost: in the stand-in, without noise, of printed rows too. Regret: that less the cost of the best design known. Random \
     design: all cells of the grid that is flown in whole, each as likely. Certificate: no design is better than the recommended one by \

@@ -66,16 +66,16 @@ impl PooledCampaign {
         let mut settings = Settings::new(budget.n_experiments);
         (settings.max_batches, settings.seed) = (budget.max_batches, seed);
         settings.simulations = Some(budget.n_simulations);
+        // A stand-in reads the same in every batch, and the loop is told so: left to itself it took what it does not expect for a drift in one
+        // campaign.
+        settings.blocks = Some(false);
         settings
     }
 
     /// As many experiments and simulations in each batch, and as many batches, as the other loop has; of the first batch's
     /// simulations those at its experiments are a part.
     fn run(rig: &StandInRig<'_>, budget: &global::Settings, finished: &impl Fn()) -> Result<Self> {
-        let mut settings = Self::settings(budget, rig.seed);
-        // A stand-in reads the same in every batch, and the loop is told so: left to itself it took what it does not expect for a drift in one
-        // campaign.
-        settings.blocks = Some(false);
+        let settings = Self::settings(budget, rig.seed);
         let mut first = settings.clone();
         first.simulations = Some(budget.n_simulations.saturating_sub(budget.n_experiments).max(2));
         let mut campaign = Loop::new(rig.space.region(), first)?;
