@@ -5,6 +5,9 @@ use crate::Data;
 /// Places that are summed before they are added to what others have summed, so that one sum need not wait for the last.
 pub(crate) const GROUP: usize = 8;
 
+/// A sum of exponentials below this is computed in another way: some of its parts have vanished.
+pub(crate) const LEAST_TOTAL: f64 = 1e-150;
+
 /// One point that takes part in an average.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Datum<'a> {

@@ -5,10 +5,7 @@ use multiversion::multiversion;
 use crate::GridPoints;
 use crate::exponential::exp_of_negative;
 use crate::over_grid::runs::{Alone, AxisTables, OverGrid, RUN_OF_AVERAGE, Run, Runs, WIDTH};
-use crate::weighted_average::{GROUP, Packed, Row};
-
-/// A sum of weights below this is computed in another way: some of its parts have vanished.
-const LEAST_TOTAL: f64 = 1e-150;
+use crate::weighted_average::{GROUP, LEAST_TOTAL, Packed, Row};
 
 /// exp(−c² (x − p)²) along each axis.
 pub(crate) struct Exponentials<'a> {
