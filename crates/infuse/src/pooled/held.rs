@@ -53,8 +53,8 @@ impl Held {
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
         let places = source.known_places(designs, &cells, simulated, column)?;
         let all: Vec<&Reading> = readings.iter().collect();
-        let of_it = Settings { noise: constraint.noise, ..settings.clone() }.sampler();
-        let process = AveragedProcess::new(Reading::sites(&all, designs, settings.plants.as_ref(), &places)?, &of_it)?;
+        let sites = Reading::sites(&all, designs, settings.plants.as_ref(), &places)?;
+        let process = AveragedProcess::new(sites, &constraint.sampler(settings))?;
         Ok(Self { constraint, column, process: Some(process) })
     }
 
@@ -74,9 +74,10 @@ impl Held {
         readings: &[Reading],
         blocks: &[Block],
         places: &Places,
+        settings: &Settings,
     ) -> Result<Option<Drift>, Error> {
-        let is_noise_known = self.constraint.noise.is_some();
-        let of = |process: &AveragedProcess| Drift::of(readings, blocks, places, process.particles(), is_noise_known);
+        let sampler = self.constraint.sampler(settings);
+        let of = |process: &AveragedProcess| Drift::of(readings, blocks, places, process.particles(), &sampler);
         self.process.as_ref().map_or(Ok(None), of)
     }
 

@@ -200,11 +200,12 @@ impl<'a, 's> Knowledge<'a, 's> {
         &self,
         constrained: &[Vec<Reading>],
         blocks: &[Vec<Block>],
+        settings: &Settings,
     ) -> Result<Vec<Option<Drift>>, Error> {
         let of_each = self.held.iter().zip(constrained.iter().zip(blocks)).map(|(held, (readings, blocks))| {
             let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
             let places = held.places(self.designs, &cells, self.simulated, &self.source)?;
-            held.drift(readings, blocks, &places)
+            held.drift(readings, blocks, &places, settings)
         });
         of_each.collect()
     }

@@ -63,21 +63,21 @@ impl Readings {
         Reading::are_shared(&self.kept)
     }
 
-    fn with_drifts(self, knowledge: &mut Knowledge<'_, '_>, is_noise_known: bool) -> Result<Self, Error> {
+    fn with_drifts(self, knowledge: &mut Knowledge<'_, '_>, settings: &Settings) -> Result<Self, Error> {
         let Self { kept, constrained, blocks, constrained_blocks, .. } = &self;
         let cells: Vec<Cell> = kept.iter().map(|reading| reading.cell).collect();
         let (places, surprises) = (knowledge.places(&cells)?, surprises(knowledge, kept));
-        let particles = knowledge.process.particles();
-        let mut drift = Drift::of(kept, blocks, &places, particles, is_noise_known)?;
+        let (particles, sampler) = (knowledge.process.particles(), settings.sampler());
+        let mut drift = Drift::of(kept, blocks, &places, particles, &sampler)?;
         // One that is far off would make noise of what blocks share.
         let usual: Vec<usize> = (0..kept.len()).filter(|&at| surprises[at].abs() <= FAR_OFF).collect();
         if usual.len() < kept.len() {
             let of_them: Vec<Reading> = usual.iter().map(|&at| kept[at].clone()).collect();
-            let of_usual = Drift::of(&of_them, blocks, &places.select(&usual), particles, is_noise_known)?;
+            let of_usual = Drift::of(&of_them, blocks, &places.select(&usual), particles, &sampler)?;
             let gain = |drift: &Option<Drift>| drift.as_ref().map_or(f64::NEG_INFINITY, |drift| drift.gain);
             drift = if gain(&of_usual) > gain(&drift) { of_usual } else { drift };
         }
-        let constrained_drifts = knowledge.constrained_drifts(constrained, constrained_blocks)?;
+        let constrained_drifts = knowledge.constrained_drifts(constrained, constrained_blocks, settings)?;
         Ok(Self { drift, constrained_drifts, ..self })
     }
 }
@@ -199,7 +199,7 @@ pub(crate) fn learnt<'a, 's>(
     if has_plants || are_told {
         return Ok((knowledge, readings));
     }
-    let readings = readings.with_drifts(&mut knowledge, settings.noise.is_some())?;
+    let readings = readings.with_drifts(&mut knowledge, settings)?;
     let is_sure = |drift: &Option<Drift>| drift.as_ref().is_some_and(Drift::is_sure);
     let of_each: Vec<bool> = readings.constrained_drifts.iter().map(is_sure).collect();
     let of_response = is_sure(&readings.drift);

@@ -66,8 +66,7 @@ impl PooledCampaign {
         let mut settings = Settings::new(budget.n_experiments);
         (settings.max_batches, settings.seed) = (budget.max_batches, seed);
         settings.simulations = Some(budget.n_simulations);
-        // A stand-in reads the same in every batch, and the loop is told so: left to itself it took what it does not expect for a drift in one
-        // campaign.
+        // A stand-in reads the same in every batch, and the loop is told so.
         settings.blocks = Some(false);
         settings
     }

@@ -9,7 +9,7 @@ use crate::process::covariance::{SimulationUse, Structure};
 use crate::process::gaussian_process::{Contrast, GaussianProcess, Marginals};
 use crate::process::joint::Joint;
 use crate::process::places::Places;
-use crate::process::sampler::{SamplerSettings, sample};
+use crate::process::sampler::{Sample, SamplerSettings, sample};
 use crate::process::sites::Sites;
 
 /// The response given measurements, averaged over the structures and hyperparameters that they leave possible.
@@ -18,6 +18,7 @@ pub struct AveragedProcess {
     sites: Arc<Sites>,
     /// All of the same weight.
     particles: Vec<GaussianProcess>,
+    log_evidence: f64,
 }
 
 impl AveragedProcess {
@@ -42,12 +43,12 @@ impl AveragedProcess {
         }
         let settings = SamplerSettings { structures, ..settings.clone() };
         let sites = Arc::new(sites);
-        let drawn = sample(&sites, &settings);
-        let particles: Result<Vec<_>, Error> = drawn
+        let Sample { particles, log_evidence } = sample(&sites, &settings);
+        let particles: Result<Vec<_>, Error> = particles
             .into_par_iter()
             .map(|(structure, hyper)| GaussianProcess::new(Arc::clone(&sites), structure, hyper))
             .collect();
-        Ok(Self { sites, particles: particles? })
+        Ok(Self { sites, particles: particles?, log_evidence })
     }
 
     /// The measurements.
@@ -60,6 +61,14 @@ impl AveragedProcess {
     #[must_use]
     pub fn particles(&self) -> &[GaussianProcess] {
         &self.particles
+    }
+
+    /// The logarithm of the density of the measurements, averaged over all that was possible before them, but for a constant that depends on
+    /// the sites alone: of two settings of the sampler, with the same sites, it tells which the measurements speak for, and how loudly. It is
+    /// an estimate, by some tenths off with a hundred particles and by some units with a few.
+    #[must_use]
+    pub fn log_evidence(&self) -> f64 {
+        self.log_evidence
     }
 
     /// Mean of the response at each place.

@@ -40,6 +40,8 @@ pub struct SamplerSettings {
     pub structures: Vec<Structure>,
     /// Standard deviation of a measurement of weight 1, in the unit of the response, if it is known.
     pub noise: Option<f64>,
+    /// Whether measurements of an assembly share an error, where assemblies are told apart. Default true.
+    pub shared_error: bool,
     /// Number of particles, at least 2. Default 32.
     pub particles: usize,
     /// Slice steps of each particle at each temperature. Default 1.
@@ -53,7 +55,7 @@ pub struct SamplerSettings {
 impl Default for SamplerSettings {
     fn default() -> Self {
         let structures = Structure::ALL.to_vec();
-        Self { structures, noise: None, particles: 32, sweeps: 1, last_sweeps: 4, seed: 1 }
+        Self { structures, noise: None, shared_error: true, particles: 32, sweeps: 1, last_sweeps: 4, seed: 1 }
     }
 }
 
@@ -65,17 +67,27 @@ struct Particle {
     log_likelihood: f64,
 }
 
-/// Particles of equal weight: a sample of the structures and hyperparameters given the measurements.
+/// What the measurements leave possible.
+pub(crate) struct Sample {
+    /// Of equal weight.
+    pub(crate) particles: Vec<(Structure, Hyperparameters)>,
+    /// Logarithm of the density of the measurements, averaged over the structures and hyperparameters as they were possible before; but for
+    /// a constant that depends on the sites alone.
+    pub(crate) log_evidence: f64,
+}
+
+/// A sample of the structures and hyperparameters given the measurements.
 ///
 /// Annealed importance resampling: from the prior, the likelihood is raised to powers that grow from 0 to 1, each as far as
 /// half of the particles keep their weight; at each power the particles are resampled, and moved by elliptical slice
-/// sampling (Del Moral et al. 2006; Murray et al. 2010). The same for any number of threads.
-pub(crate) fn sample(sites: &Sites, settings: &SamplerSettings) -> Vec<(Structure, Hyperparameters)> {
+/// sampling (Del Moral et al. 2006; Murray et al. 2010). The product of
+/// the mean weights on the way is the evidence. The same for any number of threads.
+pub(crate) fn sample(sites: &Sites, settings: &SamplerSettings) -> Sample {
     let problem = Problem::of(sites);
     let decode = Decoder {
         n_factors: sites.places().n_factors(),
         noise: settings.noise,
-        has_assemblies: sites.assemblies().is_some(),
+        has_assemblies: settings.shared_error && sites.assemblies().is_some(),
         additive: sites.additive(),
         scale: sites.units().scale,
     };
@@ -93,9 +105,10 @@ pub(crate) fn sample(sites: &Sites, settings: &SamplerSettings) -> Vec<(Structur
             Particle { structure, normals, log_likelihood }
         })
         .collect();
-    let mut power = 0.0;
+    let (mut power, mut log_evidence) = (0.0, 0.0);
     while power < 1.0 {
         let next = next_power(&particles, power);
+        log_evidence += log_mean_weight(&particles, next - power);
         particles = resampled(&particles, next - power, streams.next().random());
         power = next;
         let sweeps = if power < 1.0 { settings.sweeps } else { settings.last_sweeps };
@@ -108,7 +121,8 @@ pub(crate) fn sample(sites: &Sites, settings: &SamplerSettings) -> Vec<(Structur
         });
         particles = moved.collect();
     }
-    particles.into_iter().map(|particle| (particle.structure, decode.hyperparameters(&particle.normals))).collect()
+    let decoded = |particle: Particle| (particle.structure, decode.hyperparameters(&particle.normals));
+    Sample { particles: particles.into_iter().map(decoded).collect(), log_evidence }
 }
 
 /// A random stream for each task, in the order in which they are taken.
@@ -226,9 +240,23 @@ fn next_power(particles: &[Particle], power: f64) -> f64 {
     (power + low.max(1e-3)).min(1.0)
 }
 
+fn largest_log_likelihood(particles: &[Particle]) -> f64 {
+    particles.iter().map(|particle| particle.log_likelihood).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Logarithm of the mean of the likelihoods to the power of `step`; −∞ where no particle has a likelihood.
+fn log_mean_weight(particles: &[Particle], step: f64) -> f64 {
+    let largest = largest_log_likelihood(particles);
+    if largest == f64::NEG_INFINITY {
+        return largest;
+    }
+    let relative = particles.iter().map(|particle| (step * (particle.log_likelihood - largest)).exp());
+    step * largest + (relative.sum::<f64>() / particles.len() as f64).ln()
+}
+
 /// Weights of the particles, which sum to 1; equal ones where no particle has a likelihood.
 fn weights(particles: &[Particle], step: f64) -> Vec<f64> {
-    let largest = particles.iter().map(|particle| particle.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+    let largest = largest_log_likelihood(particles);
     if largest == f64::NEG_INFINITY {
         return vec![1.0 / particles.len() as f64; particles.len()];
     }

@@ -566,3 +566,50 @@ fn last_sweeps_are_those_after_the_last_resampling() {
     assert_eq!(different(0, 1).len(), 16, "one step parts all copies");
     assert_ne!(different(1, 0), different(0, 0), "steps before the last move particles, too");
 }
+
+/// Without a residual and with known noise the variance of the trend is all that is not known: a quadrature over its prior is the evidence.
+#[test]
+fn evidence_is_the_likelihood_averaged_over_what_was_possible() {
+    let points: Vec<f64> = (0..9).map(|i| (f64::from(i) * 0.61).sin()).collect();
+    let values: Vec<f64> = points.iter().map(|x| 3.0 * x - 5.0 * x * x + 0.2 * (40.0 * x).sin()).collect();
+    let sites = Sites::new(&Data::new(1, points, values).expect("valid data"), None).expect("valid sites");
+    let structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::None };
+    let noise = 0.3;
+    let shared = Arc::new(sites.clone());
+    let likelihood = |normal: f64| {
+        let scale = GaussianProcess::new(Arc::clone(&shared), structure, Hyperparameters::of_prior(&[0.0; 5]));
+        let scale = scale.expect("a process").scale();
+        let hyper = Hyperparameters {
+            noise: (noise / scale).powi(2),
+            ..Hyperparameters::of_prior(&[0.0, normal, 0.0, 0.0, 0.0])
+        };
+        GaussianProcess::new(Arc::clone(&shared), structure, hyper).expect("a process").log_likelihood()
+    };
+    let step = 0.01;
+    let nodes = (-600..=600).map(|i| f64::from(i) * step);
+    let expected =
+        nodes.map(|z| (likelihood(z) - 0.5 * z * z).exp()).sum::<f64>() * step / std::f64::consts::TAU.sqrt();
+    let settings = SamplerSettings { structures: vec![structure], noise: Some(noise), particles: 2000, ..settings(1) };
+    let found = AveragedProcess::new(sites, &settings).expect("a process").log_evidence();
+    check_close(found, expected.ln(), 0.05, "evidence");
+}
+
+/// Of the same measurements in two assemblies, of which one reads one more, those speak for a shared error; where both read alike, not.
+#[test]
+fn evidence_tells_whether_assemblies_share_an_error() {
+    for (above, is_shared) in [(1.0, true), (0.0, false)] {
+        let points: Vec<f64> = (0..20).map(|i| (f64::from(i) * 0.61).sin()).collect();
+        let assemblies: Vec<usize> = (0..20).map(|i| i % 2).collect();
+        let read = |(at, x): (usize, &f64)| x * x + 0.05 * (at as f64 * 1.7).cos() + above * (at % 2) as f64;
+        let values = points.iter().enumerate().map(read).collect();
+        let sites = Sites::in_assemblies(&Data::new(1, points, values).expect("valid data"), None, &assemblies);
+        let sites = sites.expect("valid sites");
+        let [with, without] = [true, false].map(|shared_error| {
+            let settings = SamplerSettings { shared_error, particles: 100, ..settings(1) };
+            AveragedProcess::new(sites.clone(), &settings).expect("a process")
+        });
+        assert!(without.assembly_deviation() == 0.0, "none is learnt where there is none");
+        let gain = with.log_evidence() - without.log_evidence();
+        assert!(if is_shared { gain > 5.0 } else { gain < 1.0 }, "{above} above: {gain}");
+    }
+}
