@@ -113,7 +113,8 @@ fn markdown(rows: &[Row]) -> Result<String> {
     text += &format!(
         "\nWritten by `cargo xtask benchmark --drift` from the campaigns kept in `fixtures/benchmark/drift.csv`; delete rows there and they are \
          run anew. With `--check` it runs some of them again. Families of the [benchmark](results-benchmark.md): `{}`, seeds {} to {}, on which \
-         nothing was chosen; the gain from which on a drift is believed, {}, was chosen on others, 601 to 604, and that it is asked once more without results that are far from what all others say on problems that are no family here. To what is read all runs of a \
+         nothing was chosen; the gain from which on a drift is believed, {}, was chosen on others, 601 to 604, 621 and 622, as were the two witnesses that have to agree, with Chapter 7 and a truth that is no family here; \
+         that it is asked once more without results that are far from what all others say, on problems that are no family here. To what is read all runs of a \
          batch have something added; with `blocks` the loop knows that they may, not how much; by itself it takes that in as soon as the results are sure of it.\n",
         NAMES.join("`, `"),
         SEEDS.start(),
