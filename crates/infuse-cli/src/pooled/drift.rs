@@ -131,12 +131,12 @@ fn named(shifts: &[Shift], far: impl Fn(f64) -> String) -> String {
     large.truncate(MOST_NAMED);
     large.sort_by(|a, b| a.block.cmp(&b.block));
     let named: Vec<String> =
-        large.iter().map(|shift| format!("{} {}", of_block(&shift.block), far(shift.by))).collect();
+        large.iter().map(|shift| format!("{} {}", named_block(&shift.block), far(shift.by))).collect();
     let more = if n_more > 0 { format!(" (and {n_more} more, less far off)") } else { String::new() };
     format!("{}{more}", named.join(", "))
 }
 
-fn of_block(block: &Block) -> String {
+pub(super) fn named_block(block: &Block) -> String {
     match block {
         Block::Batch(batch) => format!("batch {batch}"),
         Block::Source(source) => format!("`{source}`"),
@@ -183,5 +183,5 @@ fn in_json(drift: Option<&Drift>, deviation: impl Fn(f64) -> f64, by: impl Fn(f6
 }
 
 fn shift_in_json(shift: &Shift, by: f64) -> Value {
-    json!({ "of": of_block(&shift.block).replace('`', ""), "runs": shift.n_readings, "by": by })
+    json!({ "of": named_block(&shift.block).replace('`', ""), "runs": shift.n_readings, "by": by })
 }

@@ -11,10 +11,10 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use super::bounds::as_json;
-use super::campaign::{Access, Campaign, Origin};
+use super::campaign::{Access, Campaign};
 use super::dry::dry_pick;
 use super::failures::FailedSimulations;
-use super::findings::{closed, known, lesson, none_better, promised, recommendation, set_aside, standing_in_words};
+use super::findings::{closed, known, lesson, none_better, promised, recommendation, standing_in_words};
 use super::given_noise::contradiction;
 use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
@@ -157,15 +157,7 @@ impl campaign::Campaign for Campaign {
                 "noise": response.of_difference(assessed.noise),
             })
         });
-        let best_measured = self.best_measured(&set_aside(self, &found)).map(|best| {
-            let id = match best.origin {
-                Origin::Own(id) => Some(id),
-                Origin::Imported(_) => None,
-            };
-            json!({
-                "id": id, "value": response.of_cost(best.cost), "runs": best.n_runs, "settings": problem.named(&best.settings),
-            })
-        });
+        let best_measured = self.best_measured(&found).map(|best| best.as_json(self));
         let (of_batches, of_plants) = match self.settings.plants {
             Some(_) => (None, found.assembly),
             None => (found.assembly, None),
