@@ -1,6 +1,7 @@
 //! What a campaign of the pooled loop has found, in sentences with their numbers.
 
 use anyhow::Result;
+use infuse::global::PureError;
 use infuse::pooled::reported::SimulationWorth;
 use infuse::pooled::{Assessment, Certificate, Forecast, Needed, Standing, StopBy};
 use page::Finding;
@@ -49,7 +50,7 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
             .chain(FailedSimulations::of(campaign)?.in_words(campaign))
             .chain([noise(campaign, found)])
             .chain(where_runs_fail(campaign))
-            .chain(drift::shared(campaign, found))
+            .chain(drift::shared(campaign, found)?)
             .chain(plants(campaign, found))
             .collect(),
     ])
@@ -621,11 +622,20 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         }
         (None, 0) if campaign.origins().len() < 3 => "Noise of one run: too few runs to know it.".to_owned(),
         (None, 0) => {
-            format!("Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice.")
+            let twice =
+                if found.assembly.is_some() && differs_between_blocks(campaign) { " within a batch" } else { "" };
+            format!(
+                "Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice{twice}."
+            )
         }
         (None, n) if campaign.repeats(found).is_some_and(|repeats| repeats.variance <= 0.0) => {
             let differ = if n == 1 { "the one repeat does not" } else { &*format!("the {n} repeats do not") };
             match found.is_exact {
+                false if differs_between_blocks(campaign) => format!(
+                    "Noise of one run: about {deviation} by the surface; it is not known. Within a batch {differ} differ at all, but runs of \
+                     one design in different batches do, and only where none differ the noise is taken for none. If there surely is none, \
+                     give `noise = 0` and `blocks = true` in [loop]."
+                ),
                 true => format!(
                     "Noise of one run: taken for none, as {differ} differ at all, until one does. If that may be chance, give `noise` in [loop]."
                 ),
@@ -662,6 +672,11 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     };
     let (noise, unit) = (response.of_difference(found.noise), response.unit_of_differences());
     Finding::new(sentence).with("noise", noise, unit).with("repeats", found.n_repeats as f64, "1")
+}
+
+/// Whether runs of equal settings differ, whatever batches they are of.
+fn differs_between_blocks(campaign: &Campaign) -> bool {
+    PureError::of_readings(campaign.runs()).is_some_and(|repeats| repeats.variance > 0.0)
 }
 
 /// Repeats that scatter as little are less likely than this, if what the surface takes for noise were noise.

@@ -118,3 +118,49 @@ fn the_level_that_a_confirming_batch_measures_is_known_no_better_than_the_batch(
     let left = rig.status()["confirmed"]["designs"][0]["mean_give_or_take"].as_f64().unwrap();
     assert!(left > shared, "{left}");
 }
+
+/// What the file says is put to the results, too; and where it forbids to take a drift in, one noise is said.
+#[test]
+fn whether_results_speak_for_a_drift_is_said_where_the_file_says_so() {
+    let rig = drifted(&[0.0], "blocks = true\n");
+    let said = |words: &str| {
+        let text = rig.infuse(&["status"]).ok();
+        assert!(text.contains(words), "{words} is not in {text}");
+    };
+    said("Whether there is one, results tell from two batches, or sources, of several designs on.");
+    for shift in [12.0, -12.0] {
+        assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id) + shift)), "a batch");
+    }
+    said("By themselves, too, the results are sure of it.");
+    let still = drifted(&[0.0, 0.0, 0.0], "blocks = true\n").infuse(&["status"]).ok();
+    assert!(still.contains("By themselves the results do not speak for it."), "{still}");
+    rig.edit("blocks = true", "blocks = false");
+    let noise = rig.status()["noise"]["standard_deviation"].as_f64().unwrap();
+    let text = rig.infuse(&["status"]).ok();
+    let of_one_run = |before: &str| -> f64 {
+        let rest = text.split(before).nth(1).unwrap_or_else(|| panic!("{before} is not in {text}"));
+        rest.split(' ').next().and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("{rest}"))
+    };
+    let beside_the_drift = of_one_run("the noise of one run is about ");
+    assert!((beside_the_drift / noise - 1.0).abs() < 1e-3, "{beside_the_drift} and {noise}");
+    assert!(text.contains(" N, with that in it. Does the rig drift"), "{text}");
+}
+
+/// Equal repeats of one batch are no proof that there is no noise, as those of other batches differ: that is the reason that is said.
+#[test]
+fn on_a_rig_that_drifts_equal_repeats_do_not_make_the_noise_none_and_it_is_said_why() {
+    let rig = rig_of(bowl, "");
+    rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+    for shift in [0.0, 12.0, -12.0, 4.0] {
+        assert!(batch(&rig, |a, b, _| Ok(bowl(a, b) + shift)), "a batch");
+    }
+    let text = rig.infuse(&["status"]).ok();
+    let said = "do not differ at all, but runs of one design in different batches do, and only where none differ the noise is taken for none.";
+    assert!(text.contains("it is not known. Within a batch the ") && text.contains(said), "{text}");
+    rig.edit("[loop]", "[loop]\nnoise = 0\nblocks = true");
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Noise of one run: 0 N (standard deviation), as `noise` in [loop] says."), "{text}");
+    assert_eq!(rig.status()["noise"]["is_contradicted"], json!(false), "{text}");
+    assert!(text.contains("By themselves, too, the results are sure of it."), "{text}");
+    assert!(ask(&rig)["experiments"].is_array(), "it goes on");
+}
