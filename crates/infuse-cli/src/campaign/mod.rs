@@ -79,6 +79,7 @@ pub(crate) struct Imported {
     /// Of the responses that have to stay within bounds.
     pub(crate) constrained: Constrained,
     pub(crate) source: String,
+    pub(crate) note: String,
 }
 
 impl Imported {

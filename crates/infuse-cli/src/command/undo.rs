@@ -17,6 +17,7 @@ use crate::folder;
 use crate::journal::{Deed, Event, JOURNAL, Journal, Last, Measured, Submitted, Told, now};
 use crate::number::count;
 use crate::shell::sheet_path;
+use crate::wording::all_of;
 
 /// `n_lines` is how many lines the journal has to have, where somebody has seen what would be taken back.
 pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Result<Output> {
@@ -90,14 +91,8 @@ pub(crate) fn in_words(last: &Last) -> String {
             let n = events().filter(|event| matches!(event, Event::Imported { .. })).count();
             let from =
                 events().find_map(|event| if let Event::Imported { from, .. } = event { Some(from) } else { None });
-            let sources: BTreeSet<&str> = events()
-                .filter_map(|event| if let Event::Imported { source, .. } = event { Some(&**source) } else { None })
-                .collect();
             let from = from.map_or("", String::as_str);
-            match (sources.len(), sources.first()) {
-                (1, Some(source)) => format!("{} imported from {from}, as `{}`", count(n, "experiment"), echo(source)),
-                (n_sources, _) => format!("{} imported from {from}, of {n_sources} sources", count(n, "experiment")),
-            }
+            format!("{} imported from {from}, as {}", count(n, "experiment"), sources(events()))
         }
         Deed::Withdraw => {
             let source = events()
@@ -114,6 +109,21 @@ pub(crate) fn in_words(last: &Last) -> String {
             format!("batch {batch}{why}, of {} none of which was told", count(n, "experiment"))
         }
     }
+}
+
+/// So many sources are named.
+const MOST_SOURCES: usize = 12;
+
+/// Of what was imported, each source once: "`page 7` and `page 8`".
+fn sources<'a>(events: impl Iterator<Item = &'a Event>) -> String {
+    let sources: BTreeSet<&str> = events
+        .filter_map(|event| if let Event::Imported { source, .. } = event { Some(&**source) } else { None })
+        .collect();
+    let mut named: Vec<String> =
+        sources.iter().take(MOST_SOURCES).map(|source| format!("`{}`", echo(source))).collect();
+    let n_more = sources.len() - named.len();
+    named.extend((n_more > 0).then(|| format!("{n_more} more")));
+    all_of(&named)
 }
 
 /// Results, where they come from and what of them is special.

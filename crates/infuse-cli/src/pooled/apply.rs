@@ -141,9 +141,9 @@ impl Campaign {
                 // What is known now is to be said anew; what was known before stands.
                 self.history.remove(&self.batches.len());
             }
-            Event::Imported { point, result, constrained, units, source, .. } => {
+            Event::Imported { point, result, constrained, units, source, note, .. } => {
                 self.check_units(&units)?;
-                self.imported.push(Imported { point, result, constrained, source });
+                self.imported.push(Imported { point, result, constrained, source, note });
             }
             Event::Withdrawn { source, .. } => {
                 let before = self.imported.len();

@@ -12,7 +12,7 @@ use super::campaign::{Campaign, Origin};
 use super::drift;
 use super::given_noise::{too_large, too_small};
 use crate::campaign::{Campaign as _, Imported};
-use crate::findings::there_twice;
+use crate::findings::{Twice, there_twice};
 use crate::number::{count, plain, short, with_unit};
 use crate::problem::{Goal, Scale};
 use crate::wording::all_of;
@@ -38,7 +38,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
             )
         } else {
             format!(
-                "Careful: {} measured {measured}, {times} standard errors better than what is expected of the recommended \
+                "Careful: {} measured {measured}{off}, {times} standard errors better than what is expected of the recommended \
                  design. Run both again, with `infuse confirm`.",
                 problem.describe(&there.point)
             )
@@ -187,16 +187,15 @@ pub(super) fn all_equal(campaign: &Campaign) -> Option<Finding> {
     })
 }
 
-/// That imported experiments of two sources have the same settings and results.
-fn imported_twice(campaign: &Campaign) -> Option<Finding> {
+/// That imported experiments of two sources have the same settings and results: of each two sources.
+fn imported_twice(campaign: &Campaign) -> Vec<Finding> {
     let all = campaign.imported();
     let twice = |(at, one): (usize, &Imported)| {
         let is_like = |earlier: &&Imported| earlier.is_alike(&one.point, &one.result, &one.constrained);
         let earlier = all[..at].iter().find(|earlier| earlier.source != one.source && is_like(earlier))?;
         Some((earlier.source.clone(), one.source.clone()))
     };
-    let twice: Vec<(String, String)> = all.iter().enumerate().filter_map(twice).collect();
-    twice.first().map(|(earlier, source)| there_twice(twice.len(), earlier, source))
+    there_twice(&Twice::of(all.iter().enumerate().filter_map(twice)))
 }
 
 /// What counts, and is far from what all others say, and noise that was given too small: nothing else is worth much before that is put

@@ -973,8 +973,37 @@ fn imported_experiments_that_two_sources_have_are_said_until_one_is_withdrawn() 
     rig.infuse(&["import", "old.csv", "--source", "copy"]).ok();
     let said = rig.infuse(&["status"]).ok();
     assert!(said.contains("6 experiments from `copy` have settings and results of others from `notebook`"), "{said}");
+    for source in ["copy", "notebook"] {
+        assert!(said.contains(&format!("`infuse import --withdraw \"{source}\"`")), "either may be the copy: {said}");
+    }
     rig.infuse(&["import", "--withdraw", "copy"]).ok();
     assert!(!rig.infuse(&["status"]).ok().contains("settings and results of others"));
+    // Of one table, and each two sources by themselves.
+    rig.infuse(&["import", "--withdraw", "notebook"]).ok();
+    let of = |source: &str, rows: &str| rows.lines().map(|row| format!("{row},{source}\n")).collect::<String>();
+    let one_more = of("p. 7", "1,1,117\n");
+    rig.write(
+        "old.csv",
+        &format!(
+            "a [mm],b [mm],y [N],source\n{}{}{one_more}{}",
+            of("p. 7", &rows),
+            of("p. 8", &rows),
+            of("p. 9", "1,1,117\n")
+        ),
+    );
+    let at_once = rig.infuse(&["import", "old.csv"]).ok();
+    let later = rig.infuse(&["status"]).ok();
+    for (said, what) in [(at_once, ["row", "rows"]), (later, ["experiment", "experiments"])] {
+        let [one, many] = what;
+        assert!(
+            said.contains(&format!("6 {many} from `p. 8` have settings and results of others from `p. 7`")),
+            "{said}"
+        );
+        assert!(
+            said.contains(&format!("1 {one} from `p. 9` has settings and results of others from `p. 7`")),
+            "{said}"
+        );
+    }
 }
 
 /// The simulation would choose what was run, and failed; and fewer batches are asked for than were made.

@@ -204,8 +204,11 @@ fn names(view: &View, runs: &[&Run]) -> String {
 fn notes(view: &View, runs: &[&Run]) -> String {
     let mut notes: Vec<&str> = Vec::new();
     for run in runs {
-        let Origin::Own(id) = run.origin else { continue };
-        let note = view.campaign.experiments.readings.get(&id).map_or("", |reading| reading.note.as_str());
+        let note = match run.origin {
+            Origin::Own(id) => view.campaign.experiments.readings.get(&id).map(|reading| &reading.note),
+            Origin::Imported(index) => view.campaign.imported.get(index).map(|imported| &imported.note),
+        };
+        let note = note.map_or("", String::as_str);
         if !note.is_empty() && !notes.contains(&note) {
             notes.push(note);
         }
