@@ -48,6 +48,7 @@ pub(crate) struct Campaign {
     /// What was handed to a queue.
     pub(super) submitted: Vec<Submitted>,
     pub(super) imported: Vec<Imported>,
+    pub(super) withdrawn: Vec<Withdrawn>,
     /// Whether designs can be built.
     pub(super) checked: BTreeMap<Cell, Checked>,
     /// What was known after each batch.
@@ -100,6 +101,15 @@ pub(super) struct Checked {
     pub(super) can_be_built: bool,
 }
 
+/// Imported experiments that are not used any more.
+#[derive(Debug, Clone)]
+pub(super) struct Withdrawn {
+    pub(super) source: String,
+    pub(super) n: usize,
+    /// The last batch of which it was said before what it had taught; 0 if there was none.
+    pub(super) after: usize,
+}
+
 /// Which experiment a reading of the loop is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Origin {
@@ -145,6 +155,7 @@ impl Campaign {
             memory: HashMap::new(),
             submitted: Vec::new(),
             imported: Vec::new(),
+            withdrawn: Vec::new(),
             checked: BTreeMap::new(),
             empty,
             history: BTreeMap::new(),
