@@ -19,7 +19,7 @@ use super::given_noise::contradiction;
 use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, displaced, drift, hand_out, report, what_if};
-use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
+use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Reserve, Stage, Wish};
 use crate::findings::all_batches_made;
 use crate::journal::{Event, Journal, Submitted, Writer};
 use crate::number::percent;
@@ -101,6 +101,13 @@ impl campaign::Campaign for Campaign {
         let Settings { n_experiments: experiments, max_batches: batches, .. } = self.settings;
         let without_reserve = self.empty.designs_without_reserve();
         Ok(Budget { terms: None, experiments, batches, simulations, without_reserve, grid: self.grid.clone() })
+    }
+
+    fn reserve(&self) -> Result<Option<Reserve>> {
+        let (Some(until), n_left) = (self.empty.designs_without_reserve(), self.n_left()) else { return Ok(None) };
+        let Some(found) = self.assessment()? else { return Ok(Some(Reserve { until, so_far: 0.0, n_left })) };
+        let until = found.forecast.reserves_until().map_or(until, |now| now.max(until));
+        Ok(Some(Reserve { until, so_far: found.forecast.n_counted(), n_left }))
     }
 
     fn dry_pick(&self) -> Result<Option<Duration>> {
