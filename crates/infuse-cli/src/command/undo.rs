@@ -9,7 +9,7 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
-use super::taken_back::{of_experiments, still_in_the_sheet};
+use super::taken_back::{never_told, of_experiments, still_in_the_sheet};
 use crate::campaign::Campaign;
 use crate::echo::echo;
 use crate::findings::next;
@@ -24,7 +24,8 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
     // A campaign that has not begun is not begun by this.
     last_of(folder)?;
     let (campaign, mut writer) = folder::open(folder, wait)?;
-    let (Journal { all, notices, .. }, last) = last_of(folder)?;
+    let (mut journal, last) = last_of(folder)?;
+    let (all, notices) = (journal.all.clone(), std::mem::take(&mut journal.notices));
     ensure!(
         n_lines.is_none_or(|n_lines| n_lines == all.len()),
         "something was written down since: nothing was taken back, look again at what would be"
@@ -36,7 +37,7 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
         .context("it cannot be taken back, as what is left would be no campaign")?;
     writer.add(std::slice::from_ref(&undone))?;
     let mut notices = after.take_notices();
-    notices.extend(sheet_left(&*campaign, &last));
+    notices.extend(sheet_left(&*campaign, &journal, &last));
     notices.extend(runs_left(&*campaign, &last));
     notices.extend(still_in_sheets(&*after, &Journal::read(folder)?));
     let sentence = format!("Taken back: {}.", in_words(&last));
@@ -58,15 +59,32 @@ pub(crate) fn last_of(folder: &Path) -> Result<(Journal, Last)> {
     Ok((journal, last))
 }
 
-/// The sheet of a batch that does not count any more is a person's, and stays.
-fn sheet_left(campaign: &dyn Campaign, last: &Last) -> Option<String> {
+/// The sheet of a batch that does not count any more is a person's, and stays; what was never told of it stands nowhere else.
+fn sheet_left(campaign: &dyn Campaign, journal: &Journal, last: &Last) -> Option<String> {
     let batch = last.events.iter().rev().find_map(|(_, event)| match event {
         Event::Planned { batch, experiments, .. } if !experiments.is_empty() => Some(*batch),
         _ => None,
     })?;
     let path = sheet_path(campaign.folder(), campaign.problem().sheets, batch, None);
-    path.exists()
-        .then(|| format!("{} belongs to what was taken back: move or remove it before the next ask", path.display()))
+    if !path.exists() {
+        return None;
+    }
+    let (sheet, untold) = (path.display(), never_told(campaign, journal, &path));
+    let keep = "they stand nowhere else. Where the same is asked for again, `infuse tell` takes them; else move the sheet before the next ask, \
+                and copy them into a table for `infuse import`";
+    Some(match untold {
+        Ok(ids) if ids.is_empty() => {
+            format!("{sheet} belongs to what was taken back: move or remove it before the next ask")
+        }
+        Ok(ids) => {
+            let ids = of_experiments(ids.into_iter().collect::<Vec<_>>().into_iter());
+            format!("{sheet} belongs to what was taken back, and has results that were never told, of {ids}: {keep}")
+        }
+        Err(fault) => format!(
+            "{sheet} belongs to what was taken back, and whether it has results that were never told cannot be read ({fault:#}). If it has, \
+             {keep}"
+        ),
+    })
 }
 
 /// The sheets of open batches are a person's, too, and what they hold would be told again.
