@@ -43,6 +43,15 @@ const FOUND: [(&str, &str); 9] = [
 /// Of a line so many characters are shown.
 const LONGEST: usize = 160;
 
+/// "a, b and c".
+pub(crate) fn all_of(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [before @ .., last] => format!("{} and {last}", before.join(", ")),
+    }
+}
+
 /// An error and its causes in one line, those of the system without the number that it gives them.
 pub(crate) fn of_error(error: &anyhow::Error) -> String {
     let causes = error.chain().map(|cause| match cause.downcast_ref::<io::Error>() {

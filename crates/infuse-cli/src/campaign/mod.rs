@@ -71,6 +71,17 @@ pub(crate) struct Budget {
     pub(crate) grid: Grid,
 }
 
+/// What the certificate holds for a narrow well.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reserve {
+    /// From so many designs run on it holds nothing.
+    pub(crate) until: usize,
+    /// As many count as run.
+    pub(crate) so_far: f64,
+    /// Batches that are left.
+    pub(crate) n_left: usize,
+}
+
 /// An experiment from before the campaign that is in use.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Imported {
@@ -79,6 +90,7 @@ pub(crate) struct Imported {
     /// Of the responses that have to stay within bounds.
     pub(crate) constrained: Constrained,
     pub(crate) source: String,
+    pub(crate) note: String,
 }
 
 impl Imported {
@@ -107,6 +119,10 @@ pub(crate) trait Campaign {
     fn refusal(&self, trial: &Trial) -> Option<String>;
     /// What it costs at most.
     fn budget(&self) -> Result<Budget>;
+    /// What the certificate holds for a narrow well, if the method's does.
+    fn reserve(&self) -> Result<Option<Reserve>> {
+        Ok(None)
+    }
     /// How long it takes to choose a batch, tried on results made up; none where that is not tried.
     fn dry_pick(&self) -> Result<Option<Duration>> {
         Ok(None)

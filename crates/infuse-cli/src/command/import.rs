@@ -11,7 +11,7 @@ use serde_json::json;
 use super::output::Output;
 use super::taken_over::{TakenOver, of_campaign};
 use crate::campaign::Imported;
-use crate::findings::{as_from_elsewhere, imported, withdrawn};
+use crate::findings::{Twice, as_from_elsewhere, imported, withdrawn};
 use crate::folder;
 use crate::journal::{Event, now};
 use crate::number::{plain, with_unit};
@@ -40,13 +40,12 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: Option<
             known.result.value().map_or_else(|| "no value".to_owned(), plain)
         );
     }
-    let twice = |one| alike(&in_use, one).next().map(|earlier| (earlier.source.clone(), source_of(one, source)));
-    let elsewhere: Vec<(String, String)> = found.iter().filter_map(twice).collect();
+    let elsewhere = from_elsewhere(&in_use, &found, source);
     let beyond = beyond_the_region(&found, &campaign.problem().region, source);
     let (rows, at, from) = (found.len(), now(), file.display().to_string());
     let events = found.into_iter().enumerate().map(|(index, one)| {
         let source = source_of(&one, source);
-        let sheet::Imported { point, result, constrained, .. } = one;
+        let sheet::Imported { point, result, constrained, note, .. } = one;
         let units = campaign.problem().units_of(&constrained);
         Event::Imported {
             row: index + 1,
@@ -56,16 +55,17 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: Option<
             constrained,
             units,
             source,
+            note,
             from: from.clone(),
             at: at.clone(),
         }
     });
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;
-    let also = elsewhere.first().map(|(earlier, source)| as_from_elsewhere(elsewhere.len(), earlier, source));
+    let also = as_from_elsewhere(&elsewhere);
     let findings = std::iter::once(imported(rows, &campaign.use_of_imports()));
     let findings: Vec<Finding> = findings.chain(left_out(n_left_out)).chain(beyond).chain(also).collect();
-    let json = json!({ "imported": rows, "as_from_elsewhere": elsewhere.len(), "left_out": n_left_out });
+    let json = json!({ "imported": rows, "as_from_elsewhere": elsewhere.iter().map(|twice| twice.n).sum::<usize>(), "left_out": n_left_out });
     Ok(Output::new(&findings, json, notices))
 }
 
@@ -107,16 +107,34 @@ pub(crate) fn withdraw(folder: &Path, wait: Duration, source: &str) -> Result<Ou
     let notices = campaign.take_notices();
     let sources: std::collections::BTreeSet<String> =
         campaign.imported().into_iter().map(|imported| imported.source).collect();
-    let names = || sources.iter().map(|source| format!("`{source}`")).collect::<Vec<_>>().join(", ");
+    let names: Vec<String> = sources.iter().map(|source| format!("`{source}`")).collect();
     ensure!(
         sources.contains(source),
-        "nothing that is in use was imported from `{source}`, expected one of {}",
-        if sources.is_empty() { "none".to_owned() } else { names() }
+        "nothing that is in use was imported from `{source}`, expected {}",
+        match names.as_slice() {
+            [] => "a source of imported experiments, of which there are none".to_owned(),
+            all => format!("one of {}", all.join(", ")),
+        }
     );
     let before = campaign.imported().len();
     campaign.record(&mut writer, vec![Event::Withdrawn { source: source.to_owned(), at: now() }])?;
     let n = before - campaign.imported().len();
     Ok(Output::new(&[withdrawn(n)], json!({ "withdrawn": n }), notices))
+}
+
+/// Rows with the settings and results of others from another source, imported before or of the same table.
+fn from_elsewhere(in_use: &[Imported], found: &[sheet::Imported], source: Option<&str>) -> Vec<Twice> {
+    let twice = |(at, one): (usize, &sheet::Imported)| {
+        let own = source_of(one, source);
+        let is_like = |earlier: &&sheet::Imported| {
+            let as_it_counts = (&earlier.point, &earlier.result, &earlier.constrained);
+            as_it_counts == (&one.point, &one.result, &one.constrained) && source_of(earlier, source) != own
+        };
+        let before = alike(in_use, one).map(|earlier| earlier.source.clone()).next();
+        let beside = || found[..at].iter().find(is_like).map(|earlier| source_of(earlier, source));
+        Some((before.or_else(beside)?, own))
+    };
+    Twice::of(found.iter().enumerate().filter_map(twice))
 }
 
 /// Those that are used of the same settings and results.

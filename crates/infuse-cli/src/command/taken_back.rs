@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use anyhow::Result;
+
 use crate::campaign::{Campaign, Experiments};
 use crate::journal::{Event, Journal, Told};
 use crate::sheet::{Answer, answers};
@@ -26,6 +28,15 @@ pub(super) fn still_in_the_sheet(campaign: &dyn Campaign, journal: &Journal, she
             of_experiments(ids.iter().copied())
         )
     })
+}
+
+/// The experiments of which a sheet has results that the journal never had, taken back or not.
+pub(super) fn never_told(campaign: &dyn Campaign, journal: &Journal, sheet: &Path) -> Result<BTreeSet<u64>> {
+    let filled = answers(sheet, campaign.problem(), &campaign.experiments().trials)?.filled;
+    let told =
+        || journal.all.iter().filter_map(|(_, event)| if let Event::Told(told) = event { Some(told) } else { None });
+    let untold = filled.iter().filter(|answer| !told().any(|told| is_same(answer, told)));
+    Ok(untold.map(|answer| answer.id).collect())
 }
 
 /// Whether there is a result of this run.

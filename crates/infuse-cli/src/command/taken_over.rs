@@ -33,11 +33,17 @@ pub(super) fn of_campaign(other: &Path, own: &Path, problem: &Problem) -> Result
     Ok(TakenOver { found, n_left_out })
 }
 
+/// Where an experiment comes from, and what was written beside it.
+struct Of<'a> {
+    source: &'a str,
+    note: &'a str,
+}
+
 fn experiments(there: &dyn Campaign, problem: &Problem) -> Result<(Vec<Imported>, usize)> {
     let order = order(there.problem(), problem)?;
     let (theirs, ours) = (there.problem().region.parameters(), problem.region.parameters());
     let (mut found, mut n_left_out) = (Vec::new(), 0);
-    let mut take = |settings: &[f64], result: &Measured, constrained: &Constrained, source: String, name: String| {
+    let mut take = |settings: &[f64], result: &Measured, constrained: &Constrained, of: Of<'_>, name: String| {
         let settings = order.iter().zip(ours).map(|(&at, own)| as_here(&theirs[at], own, settings[at]));
         let Some(point) = settings.collect::<Option<Vec<f64>>>() else {
             n_left_out += 1;
@@ -48,12 +54,13 @@ fn experiments(there: &dyn Campaign, problem: &Problem) -> Result<(Vec<Imported>
             bail!("{name} gave {}, expected {expected}", plain(value));
         }
         let constrained = problem.of_constraints(constrained.clone());
-        found.push(Imported { point, result: result.clone(), constrained, source });
+        let (source, note) = (of.source.to_owned(), of.note.to_owned());
+        found.push(Imported { point, result: result.clone(), constrained, source, note });
         Ok(())
     };
     for one in there.imported() {
         let name = format!("what was imported from `{}`", one.source);
-        take(&one.point, &one.result, &one.constrained, one.source.clone(), name)?;
+        take(&one.point, &one.result, &one.constrained, Of { source: &one.source, note: &one.note }, name)?;
     }
     let (experiments, none) = (there.experiments(), Constrained::new());
     for (&id, reading) in &experiments.readings {
@@ -61,7 +68,14 @@ fn experiments(there: &dyn Campaign, problem: &Problem) -> Result<(Vec<Imported>
             reading.first.iter().map(|first| (0, first)).chain(reading.again.iter().map(|(&run, again)| (run, again)));
         for (run, result) in runs {
             let constrained = reading.constrained.get(&run).unwrap_or(&none);
-            take(&experiments.settings_of(id), result, constrained, String::new(), format!("experiment {id}"))?;
+            let note = if run == 0 { reading.note.as_str() } else { "" };
+            take(
+                &experiments.settings_of(id),
+                result,
+                constrained,
+                Of { source: "", note },
+                format!("experiment {id}"),
+            )?;
         }
     }
     Ok((found, n_left_out))

@@ -176,7 +176,10 @@ fn constrained(text: &str, problem: &Problem) -> Result<BTreeMap<String, f64>> {
         ensure!(
             problem.constraints.iter().any(|held| held.name() == name),
             "no constraint is called `{name}`, expected {}",
-            if named.is_empty() { "none: there is no [[constraint]]".to_owned() } else { named.join(", ") }
+            match named.as_slice() {
+                [] => "a name of a [[constraint]], of which there are none".to_owned(),
+                all => all.join(", "),
+            }
         );
         let value = crate::number::parse(value.trim())
             .map_err(|expected| anyhow!("`{name}` is `{}`, expected {expected}", value.trim()))?;
@@ -257,7 +260,7 @@ fn fresh(
 fn asked(campaign: &dyn Campaign) -> String {
     match (campaign.experiments().trials.keys().next(), campaign.experiments().trials.keys().next_back()) {
         (Some(first), Some(last)) => format!("an id from {first} to {last}"),
-        _ => "none yet: nothing was asked for, see `infuse ask`".to_owned(),
+        _ => "one that was asked for, and nothing was yet: see `infuse ask`".to_owned(),
     }
 }
 

@@ -9,7 +9,7 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
-use super::taken_back::{of_experiments, still_in_the_sheet};
+use super::taken_back::{never_told, of_experiments, still_in_the_sheet};
 use crate::campaign::Campaign;
 use crate::echo::echo;
 use crate::findings::next;
@@ -17,13 +17,15 @@ use crate::folder;
 use crate::journal::{Deed, Event, JOURNAL, Journal, Last, Measured, Submitted, Told, now};
 use crate::number::count;
 use crate::shell::sheet_path;
+use crate::wording::all_of;
 
 /// `n_lines` is how many lines the journal has to have, where somebody has seen what would be taken back.
 pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Result<Output> {
     // A campaign that has not begun is not begun by this.
     last_of(folder)?;
     let (campaign, mut writer) = folder::open(folder, wait)?;
-    let (Journal { all, notices, .. }, last) = last_of(folder)?;
+    let (mut journal, last) = last_of(folder)?;
+    let (all, notices) = (journal.all.clone(), std::mem::take(&mut journal.notices));
     ensure!(
         n_lines.is_none_or(|n_lines| n_lines == all.len()),
         "something was written down since: nothing was taken back, look again at what would be"
@@ -35,7 +37,7 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
         .context("it cannot be taken back, as what is left would be no campaign")?;
     writer.add(std::slice::from_ref(&undone))?;
     let mut notices = after.take_notices();
-    notices.extend(sheet_left(&*campaign, &last));
+    notices.extend(sheet_left(&*campaign, &journal, &last));
     notices.extend(runs_left(&*campaign, &last));
     notices.extend(still_in_sheets(&*after, &Journal::read(folder)?));
     let sentence = format!("Taken back: {}.", in_words(&last));
@@ -57,15 +59,32 @@ pub(crate) fn last_of(folder: &Path) -> Result<(Journal, Last)> {
     Ok((journal, last))
 }
 
-/// The sheet of a batch that does not count any more is a person's, and stays.
-fn sheet_left(campaign: &dyn Campaign, last: &Last) -> Option<String> {
+/// The sheet of a batch that does not count any more is a person's, and stays; what was never told of it stands nowhere else.
+fn sheet_left(campaign: &dyn Campaign, journal: &Journal, last: &Last) -> Option<String> {
     let batch = last.events.iter().rev().find_map(|(_, event)| match event {
         Event::Planned { batch, experiments, .. } if !experiments.is_empty() => Some(*batch),
         _ => None,
     })?;
     let path = sheet_path(campaign.folder(), campaign.problem().sheets, batch, None);
-    path.exists()
-        .then(|| format!("{} belongs to what was taken back: move or remove it before the next ask", path.display()))
+    if !path.exists() {
+        return None;
+    }
+    let (sheet, untold) = (path.display(), never_told(campaign, journal, &path));
+    let keep = "they stand nowhere else. Where the same is asked for again, `infuse tell` takes them; else move the sheet before the next ask, \
+                and copy them into a table for `infuse import`";
+    Some(match untold {
+        Ok(ids) if ids.is_empty() => {
+            format!("{sheet} belongs to what was taken back: move or remove it before the next ask")
+        }
+        Ok(ids) => {
+            let ids = of_experiments(ids.into_iter().collect::<Vec<_>>().into_iter());
+            format!("{sheet} belongs to what was taken back, and has results that were never told, of {ids}: {keep}")
+        }
+        Err(fault) => format!(
+            "{sheet} belongs to what was taken back, and whether it has results that were never told cannot be read ({fault:#}). If it has, \
+             {keep}"
+        ),
+    })
 }
 
 /// The sheets of open batches are a person's, too, and what they hold would be told again.
@@ -90,14 +109,8 @@ pub(crate) fn in_words(last: &Last) -> String {
             let n = events().filter(|event| matches!(event, Event::Imported { .. })).count();
             let from =
                 events().find_map(|event| if let Event::Imported { from, .. } = event { Some(from) } else { None });
-            let sources: BTreeSet<&str> = events()
-                .filter_map(|event| if let Event::Imported { source, .. } = event { Some(&**source) } else { None })
-                .collect();
             let from = from.map_or("", String::as_str);
-            match (sources.len(), sources.first()) {
-                (1, Some(source)) => format!("{} imported from {from}, as `{}`", count(n, "experiment"), echo(source)),
-                (n_sources, _) => format!("{} imported from {from}, of {n_sources} sources", count(n, "experiment")),
-            }
+            format!("{} imported from {from}, as {}", count(n, "experiment"), sources(events()))
         }
         Deed::Withdraw => {
             let source = events()
@@ -114,6 +127,21 @@ pub(crate) fn in_words(last: &Last) -> String {
             format!("batch {batch}{why}, of {} none of which was told", count(n, "experiment"))
         }
     }
+}
+
+/// So many sources are named.
+const MOST_SOURCES: usize = 12;
+
+/// Of what was imported, each source once: "`page 7` and `page 8`".
+fn sources<'a>(events: impl Iterator<Item = &'a Event>) -> String {
+    let sources: BTreeSet<&str> = events
+        .filter_map(|event| if let Event::Imported { source, .. } = event { Some(&**source) } else { None })
+        .collect();
+    let mut named: Vec<String> =
+        sources.iter().take(MOST_SOURCES).map(|source| format!("`{}`", echo(source))).collect();
+    let n_more = sources.len() - named.len();
+    named.extend((n_more > 0).then(|| format!("{n_more} more")));
+    all_of(&named)
 }
 
 /// Results, where they come from and what of them is special.

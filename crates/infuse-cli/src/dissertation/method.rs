@@ -103,6 +103,7 @@ impl campaign::Campaign for Campaign {
                 result: Measured::Value(self.problem.response.of_cost(earlier.cost)),
                 constrained: Constrained::new(),
                 source: earlier.source.clone(),
+                note: String::new(),
             })
             .collect()
     }

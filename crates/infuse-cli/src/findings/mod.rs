@@ -15,7 +15,9 @@ pub(crate) use bounds::on_bounds;
 pub(crate) use displacement::{displaced_by, give_or_take};
 pub(crate) use next::{after_the_end, all_batches_made, ended, next};
 pub(crate) use standing::standing;
-pub(crate) use taken::{as_from_elsewhere, imported, outstanding, taken, there_twice, withdrawn, without_columns};
+pub(crate) use taken::{
+    Twice, as_from_elsewhere, imported, outstanding, taken, there_twice, withdrawn, without_columns,
+};
 
 /// The name of that number, before the campaign and in it.
 pub(crate) const WITHOUT_RESERVE: &str = "designs run from which on nothing is held for a narrow well";

@@ -52,27 +52,82 @@ pub(crate) fn imported(n: usize, used_for: &str) -> Finding {
     Finding::new(sentence).with("experiments imported", n as f64, "1")
 }
 
+/// Experiments of one source with the settings and results of experiments of another: so many.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Twice {
+    pub(crate) earlier: String,
+    pub(crate) source: String,
+    pub(crate) n: usize,
+}
+
+impl Twice {
+    /// Of pairs of an earlier source and the one of an experiment that is like one of it: each pair once, in their order.
+    pub(crate) fn of(pairs: impl IntoIterator<Item = (String, String)>) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for (earlier, source) in pairs {
+            match all.iter_mut().find(|twice| twice.earlier == earlier && twice.source == source) {
+                Some(twice) => twice.n += 1,
+                None => all.push(Self { earlier, source, n: 1 }),
+            }
+        }
+        all
+    }
+
+    /// "6 rows from `copy` have settings and results of others from `notebook`, and count as runs of their own".
+    fn in_words(&self, what: &str) -> String {
+        let Self { earlier, source, n } = self;
+        let (have, count_as) = match n {
+            1 => ("has", "counts as a run of its own"),
+            _ => ("have", "count as runs of their own"),
+        };
+        format!(
+            "{} from `{source}` {have} settings and results of others from `{earlier}`, and {count_as}",
+            count(*n, what)
+        )
+    }
+
+    fn withdraw(&self) -> String {
+        let Self { earlier, source, .. } = self;
+        format!("`infuse import --withdraw \"{source}\"` or `infuse import --withdraw \"{earlier}\"`")
+    }
+}
+
+/// So many pairs of sources are named.
+const MOST_PAIRS: usize = 5;
+
+/// A sentence for each pair of sources, the first few of many.
+fn of_each_pair(twice: &[Twice], said: impl Fn(&Twice) -> Finding) -> Vec<Finding> {
+    let n_more = twice.len().saturating_sub(MOST_PAIRS);
+    let more = (n_more > 0).then(|| {
+        let pairs = if n_more == 1 { "1 more pair".to_owned() } else { format!("{n_more} more pairs") };
+        Finding::new(format!("The same holds of {pairs} of sources."))
+    });
+    twice.iter().take(MOST_PAIRS).map(said).chain(more).collect()
+}
+
 /// Rows that are like ones from another source, which may be the same runs.
-pub(crate) fn as_from_elsewhere(n: usize, earlier: &str, source: &str) -> Finding {
-    let are = if n == 1 { "has" } else { "have" };
-    let sentence = format!(
-        "{} {are} settings and results that were imported before, from `{earlier}`, and count as runs of their own. If they are \
-         the same runs: `infuse import --withdraw \"{source}\"`.",
-        count(n, "row")
-    );
-    Finding::new(sentence).with("rows as from elsewhere", n as f64, "1")
+pub(crate) fn as_from_elsewhere(twice: &[Twice]) -> Vec<Finding> {
+    of_each_pair(twice, |one| {
+        let sentence = format!(
+            "{}. If they are the same runs, take one of the two back, with all that is from it: {}.",
+            one.in_words("row"),
+            one.withdraw()
+        );
+        Finding::new(sentence).with("rows as from elsewhere", one.n as f64, "1")
+    })
 }
 
 /// That experiments from two sources have the same settings and results, which may be the same runs.
-pub(crate) fn there_twice(n: usize, earlier: &str, source: &str) -> Finding {
-    let sentence = format!(
-        "Careful: {} from `{source}` {} settings and results of others from `{earlier}`, and {} as runs of their own: if they are the \
-         same runs, the noise seems smaller than it is, and `infuse import --withdraw \"{source}\"` takes them back.",
-        count(n, "experiment"),
-        if n == 1 { "has" } else { "have" },
-        if n == 1 { "counts" } else { "count" }
-    );
-    Finding::new(sentence).with("experiments that are there twice", n as f64, "1")
+pub(crate) fn there_twice(twice: &[Twice]) -> Vec<Finding> {
+    of_each_pair(twice, |one| {
+        let sentence = format!(
+            "Careful: {}: if they are the same runs, the noise seems smaller than it is. One of the two is taken back, with all that is \
+             from it, by {}.",
+            one.in_words("experiment"),
+            one.withdraw()
+        );
+        Finding::new(sentence).with("experiments that are there twice", one.n as f64, "1")
+    })
 }
 
 /// Earlier experiments that count no longer.

@@ -77,6 +77,9 @@ pub(crate) enum Event {
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         units: BTreeMap<String, String>,
         source: String,
+        /// What a person wrote beside it.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        note: String,
         from: String,
         at: String,
     },

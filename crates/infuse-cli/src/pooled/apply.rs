@@ -8,7 +8,7 @@ use infuse::TrialId;
 use infuse::pooled::Trial;
 
 use super::buildable::some_are_refused;
-use super::campaign::{Batch, Campaign, Checked, Remembered};
+use super::campaign::{Batch, Campaign, Checked, Remembered, Withdrawn};
 use super::drift;
 use super::findings::promised;
 use crate::campaign::{Imported, checked};
@@ -141,14 +141,17 @@ impl Campaign {
                 // What is known now is to be said anew; what was known before stands.
                 self.history.remove(&self.batches.len());
             }
-            Event::Imported { point, result, constrained, units, source, .. } => {
+            Event::Imported { point, result, constrained, units, source, note, .. } => {
                 self.check_units(&units)?;
-                self.imported.push(Imported { point, result, constrained, source });
+                self.imported.push(Imported { point, result, constrained, source, note });
             }
             Event::Withdrawn { source, .. } => {
                 let before = self.imported.len();
                 self.imported.retain(|imported| imported.source != source);
-                ensure!(self.imported.len() < before, "nothing that is in use was imported from `{source}`");
+                let n = before - self.imported.len();
+                ensure!(n > 0, "nothing that is in use was imported from `{source}`");
+                let after = self.history.keys().next_back().copied().unwrap_or(0);
+                self.withdrawn.push(Withdrawn { source, n, after });
             }
             Event::Assessed(assessed) => {
                 ensure!(
@@ -156,6 +159,9 @@ impl Campaign {
                     "batch {} is assessed, which was never planned",
                     assessed.batch
                 );
+                // What is said anew was said without these.
+                let before = self.withdrawn.iter_mut().filter(|withdrawn| withdrawn.after >= assessed.batch);
+                before.for_each(|withdrawn| withdrawn.after = assessed.batch - 1);
                 // What was said on another scale cannot be compared.
                 if assessed.scale == self.problem.response.scale {
                     self.on_another_scale = None;

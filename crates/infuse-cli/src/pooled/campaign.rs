@@ -1,7 +1,6 @@
 //! A campaign of the pooled loop, as it follows from its problem and its journal.
 
 use std::cell::{OnceCell, RefCell};
-use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -49,6 +48,7 @@ pub(crate) struct Campaign {
     /// What was handed to a queue.
     pub(super) submitted: Vec<Submitted>,
     pub(super) imported: Vec<Imported>,
+    pub(super) withdrawn: Vec<Withdrawn>,
     /// Whether designs can be built.
     pub(super) checked: BTreeMap<Cell, Checked>,
     /// What was known after each batch.
@@ -101,6 +101,15 @@ pub(super) struct Checked {
     pub(super) can_be_built: bool,
 }
 
+/// Imported experiments that are not used any more.
+#[derive(Debug, Clone)]
+pub(super) struct Withdrawn {
+    pub(super) source: String,
+    pub(super) n: usize,
+    /// The last batch of which it was said before what it had taught; 0 if there was none.
+    pub(super) after: usize,
+}
+
 /// Which experiment a reading of the loop is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Origin {
@@ -108,18 +117,6 @@ pub(super) enum Origin {
     Imported(usize),
     /// By its id.
     Own(u64),
-}
-
-/// The design that measured best.
-#[derive(Debug, Clone)]
-pub(super) struct BestMeasured {
-    /// Its best run.
-    pub(super) origin: Origin,
-    /// Of its runs, in the mean: of many runs the best is a lucky one.
-    pub(super) cost: f64,
-    pub(super) n_runs: usize,
-    /// As they were made, natural.
-    pub(super) settings: Vec<f64>,
 }
 
 /// How the loop comes to know what the simulation says.
@@ -158,6 +155,7 @@ impl Campaign {
             memory: HashMap::new(),
             submitted: Vec::new(),
             imported: Vec::new(),
+            withdrawn: Vec::new(),
             checked: BTreeMap::new(),
             empty,
             history: BTreeMap::new(),
@@ -437,47 +435,15 @@ impl Campaign {
         })
     }
 
+    /// Whether settings are not thought to keep to a bound that was not measured there.
+    pub(super) fn is_doubtful(&self, settings: &[f64]) -> bool {
+        self.grid.nearest(settings).is_ok_and(|cell| self.doubtful().contains(&cell))
+    }
+
     /// Whether an experiment may be called the best measured: it keeps to every bound, as measured or else as expected.
     pub(super) fn may_be_best_measured(&self, id: u64, reading: &Reading) -> bool {
         let cell = self.experiments.trials.get(&id).map(|trial| trial.cell);
         self.keeps_to_bounds(reading) && !cell.is_some_and(|cell| self.doubtful().contains(&cell))
-    }
-
-    /// The settings with the best mean of their runs, imported ones too, but for those named, those that broke a bound, and those
-    /// that are not thought to keep to one that was not measured.
-    pub(super) fn best_measured(&self, but: &[Origin]) -> Option<BestMeasured> {
-        let response = &self.problem.response;
-        let is_doubtful = |cell: Option<Cell>| cell.is_some_and(|cell| self.doubtful().contains(&cell));
-        let imported = self.imported.iter().enumerate().filter_map(|(index, one)| {
-            let cost = response.cost(one.result.value()?);
-            let is_allowed = self.problem.allows(|name| one.constrained.get(name).copied());
-            if !is_allowed || is_doubtful(self.grid.nearest(&one.point).ok()) {
-                return None;
-            }
-            Some(BestMeasured { origin: Origin::Imported(index), cost, n_runs: 1, settings: one.point.clone() })
-        });
-        let own = self.experiments.readings.iter().filter_map(|(&id, reading)| {
-            let cost = reading.outcome(response)?.cost()?;
-            if !self.may_be_best_measured(id, reading) {
-                return None;
-            }
-            let n_runs = reading.values().count();
-            Some(BestMeasured { origin: Origin::Own(id), cost, n_runs, settings: self.experiments.settings_of(id) })
-        });
-        let mut meant: Vec<BestMeasured> = own.chain(imported).filter(|one| !but.contains(&one.origin)).collect();
-        // Equal settings stand together, the best first.
-        let settings = |a: &BestMeasured, b: &BestMeasured| {
-            let pairs = a.settings.iter().zip(&b.settings);
-            pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
-        };
-        meant.sort_by(|a, b| settings(a, b).then(a.cost.total_cmp(&b.cost)));
-        let designs = meant.chunk_by(|a, b| settings(a, b).is_eq());
-        let of_design = |runs: &[BestMeasured]| {
-            let n_runs = runs.iter().map(|one| one.n_runs).sum::<usize>();
-            let sum: f64 = runs.iter().map(|one| one.cost * one.n_runs as f64).sum();
-            Some(BestMeasured { cost: sum / n_runs as f64, n_runs, ..runs.first()?.clone() })
-        };
-        designs.filter_map(of_design).min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
     /// What the experiments of the batches up to this one cost, made in the order of their sheets, and for how many plants; none
@@ -624,7 +590,7 @@ impl Campaign {
             let of_run = |run: usize| reading.constrained.get(&run).unwrap_or(&none);
             for (&run, result) in &reading.again {
                 if let Some(value) = result.value() {
-                    let (settings, source) = (self.experiments.settings_of(id), format!("experiment {id}"));
+                    let (settings, source) = (self.experiments.settings_of(id), source_of_further(id));
                     now.add_earlier(&settings, responses(value, of_run(run)), source)?;
                 }
             }
@@ -643,6 +609,13 @@ impl Campaign {
             self.tell_simulations(&mut now)?;
         }
         Ok(now)
+    }
+
+    /// The experiments that the surface does without.
+    pub(super) fn set_aside(&self, found: &Assessment) -> Vec<Origin> {
+        let origins = self.origins();
+        let aside = found.outliers.iter().filter(|outlier| outlier.set_aside);
+        aside.filter_map(|outlier| origins.get(outlier.reading).copied()).collect()
     }
 
     /// Which experiment each reading of the loop is, in its order.
@@ -716,6 +689,11 @@ impl Campaign {
         let assessed = assessed?;
         Ok(self.assessed.get_or_init(|| assessed).clone())
     }
+}
+
+/// Where the loop is told that further runs of an experiment come from: of what day they are nobody knows.
+pub(super) fn source_of_further(id: u64) -> String {
+    format!("experiment {id}")
 }
 
 /// Shows that something is being computed.

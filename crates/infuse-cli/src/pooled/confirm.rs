@@ -9,8 +9,9 @@ use page::Finding;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
+use super::bands::NINE_IN_TEN;
 use super::campaign::{Batch, Campaign, Origin};
-use super::findings::{as_it_stands, set_aside};
+use super::findings::as_it_stands;
 use super::hand_out::plan;
 use crate::journal::{Measured, Purpose, Writer};
 use crate::number::count;
@@ -23,6 +24,9 @@ const PROBABILITY: f64 = 0.9;
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Confirmation {
     batch: usize,
+    /// Standard deviation of the error that runs of a batch share, as far as that is known.
+    #[serde(skip)]
+    shared: Option<f64>,
     designs: Vec<Confirmed>,
 }
 
@@ -37,7 +41,7 @@ struct Confirmed {
     costs: Vec<f64>,
     n_runs: usize,
     mean: Option<f64>,
-    /// Half the width of the interval of the mean; none without repeats.
+    /// Half the width of the interval of the mean, what runs of a batch share included; none without repeats.
     mean_give_or_take: Option<f64>,
     /// By how much the first design is better, with half the width of the interval; none for the first, or without repeats.
     gain: Option<f64>,
@@ -56,7 +60,7 @@ pub(super) fn confirm(campaign: &mut Campaign, writer: &mut Writer, runs: usize)
     campaign.check_the_recommended(writer)?;
     let found = campaign.assessment()?.context("no experiment gave a result yet, so there is nothing to confirm")?;
     let mut cells = vec![found.recommended.cell];
-    if let Some(measured) = campaign.best_measured(&set_aside(campaign, &found)) {
+    if let Some(measured) = campaign.best_measured(&found) {
         cells.push(match measured.origin {
             Origin::Own(id) => campaign.experiments.trial(id)?.cell,
             Origin::Imported(_) => campaign.nearest(&measured.settings)?.1,
@@ -96,7 +100,7 @@ impl Campaign {
             at.map(|value| response.cost(value)).collect::<Vec<f64>>()
         };
         let runs: Vec<Vec<f64>> = order.iter().map(|&cell| costs_at(cell)).collect();
-        let noise = self.noise_of_repeats()?;
+        let (noise, shared) = (self.noise_of_repeats()?, self.shared_by_a_batch()?);
         let design = |(place, &cell): (usize, &Cell)| {
             let costs = runs[place].clone();
             let difference = if place == 0 { None } else { difference(&costs, &runs[0], noise) };
@@ -104,22 +108,30 @@ impl Campaign {
             let mean = mean(&costs).map(|cost| response.of_cost(cost));
             let settings = self.problem.named(&self.grid.point(cell)?);
             let (gain, give_or_take) = (difference.map(|d| d.0), difference.and_then(|d| d.1));
-            let mean_give_or_take =
-                noise.filter(|_| !costs.is_empty()).and_then(|noise| half_width(noise, 1.0 / costs.len() as f64));
+            let half = noise.filter(|_| !costs.is_empty());
+            let half = half.and_then(|noise| half_width(noise, 1.0 / costs.len() as f64));
+            let mean_give_or_take = half.map(|half| half.hypot(NINE_IN_TEN * shared.unwrap_or(0.0)));
             Ok(Confirmed { cell, settings, costs, n_runs, mean, mean_give_or_take, gain, give_or_take })
         };
         let designs = order.iter().enumerate().map(design).collect::<Result<Vec<_>>>()?;
-        Ok(Some(Confirmation { batch, designs }))
+        Ok(Some(Confirmation { batch, shared, designs }))
     }
 
     /// The noise of one run, by what all repeats of the campaign differ by, those that confirm among them: as everywhere in the loop it
     /// is the same for all. Runs that are set aside say nothing of it.
     fn noise_of_repeats(&self) -> Result<Option<PureError>> {
         let Some(found) = self.assessment()? else { return Ok(None) };
-        let aside = set_aside(self, &found);
+        let aside = self.set_aside(&found);
         let counted =
             self.origins().into_iter().zip(self.runs_to_compare(&found)).filter(|(origin, _)| !aside.contains(origin));
         Ok(PureError::of_readings(counted.map(|(_, run)| run)))
+    }
+
+    /// Standard deviation of the error that all runs of a batch share, taken in or not: the mean of those of one batch has it in it.
+    fn shared_by_a_batch(&self) -> Result<Option<f64>> {
+        let Some(found) = self.assessment()?.filter(|_| self.settings.plants.is_none()) else { return Ok(None) };
+        let drift = found.drift.as_ref().filter(|drift| drift.is_sure());
+        Ok(found.assembly.or(drift.map(|drift| drift.deviation)))
     }
 
     /// The designs of a batch that is to confirm, first the recommended one.
@@ -136,11 +148,14 @@ impl Campaign {
     /// What a batch is for that is to confirm.
     pub(super) fn to_confirm(&self, batch: usize) -> Finding {
         let order = self.compared(batch);
+        let names = Names::of(self);
         let sentence = match order.len() {
+            1 if names.are_shifted => {
+                "It measures the recommended design, by these runs alone: nothing else measured better (without the shifts of batches)."
+            }
             1 => "It measures the recommended design, by these runs alone: nothing else measured better.",
             _ => "It measures what was gained: the designs are compared by these runs alone.",
         };
-        let names = Names::of(self);
         let finding = order.iter().enumerate().fold(Finding::new(sentence), |finding, (place, &cell)| {
             let n_runs = self.batches[batch - 1].cells.iter().filter(|&&other| other == cell).count();
             let settings = self.grid.point(cell).map(|point| self.problem.describe(&point)).unwrap_or_default();
@@ -161,18 +176,25 @@ struct Names {
     is_of_some: bool,
     /// What is to be said of that choice.
     stands: Option<&'static str>,
+    /// Whether results are compared without what their batches are off by.
+    are_shifted: bool,
 }
 
 impl Names {
     fn of(campaign: &Campaign) -> Self {
         let alone = campaign.choice_of_the_simulation().ok().flatten();
-        let stands = campaign.assessment().ok().flatten().and_then(|found| as_it_stands(&found));
-        Self { alone, is_of_some: campaign.n_simulated_of_many().ok().flatten().is_some(), stands }
+        let found = campaign.assessment().ok().flatten();
+        let stands = found.as_ref().and_then(as_it_stands);
+        let are_shifted = found.is_some_and(|found| found.shifts.len() > 1);
+        Self { alone, is_of_some: campaign.n_simulated_of_many().ok().flatten().is_some(), stands, are_shifted }
     }
 
     fn name(&self, place: usize, cell: Cell) -> Cow<'static, str> {
         match (place, self.stands) {
             (0, _) => "what was recommended".into(),
+            _ if self.alone != Some(cell) && self.are_shifted => {
+                "what had measured best (without the shift of its batch)".into()
+            }
             _ if self.alone != Some(cell) => "what had measured best".into(),
             _ if self.is_of_some => "the best of the designs simulated".into(),
             (_, Some(stands)) => format!("the simulation's own choice, {stands}").into(),
@@ -206,7 +228,7 @@ impl Confirmation {
                 Some(mean) => response.value(mean),
                 None => "no value".to_owned(),
             };
-            let measured = match design.mean_give_or_take.filter(|_| self.designs.len() == 1) {
+            let measured = match design.mean_give_or_take {
                 Some(half) => format!("{measured}, give or take {} (90 %)", response.amount(half)),
                 None => measured,
             };
@@ -232,7 +254,24 @@ impl Confirmation {
             };
             finding = finding.detail(detail);
         }
-        finding
+        self.shared_in_words(response).into_iter().fold(finding, Finding::detail)
+    }
+
+    /// What is in the bands of the means, and not in those of the differences.
+    fn shared_in_words(&self, response: &Response) -> Option<Finding> {
+        let has_band = self.designs.iter().any(|design| design.mean_give_or_take.is_some());
+        let shared = self.shared.filter(|_| has_band)?;
+        let (whose, besides) = match self.designs.len() {
+            1 => ("In the band of the mean", ""),
+            _ => ("In the bands of the means", ", and not in those of the differences"),
+        };
+        let amount = response.amount(shared);
+        let sentence = format!("{whose}{besides}, is what all runs of a batch share: {amount} (standard deviation).");
+        Some(Finding::new(sentence).with(
+            "shared error",
+            response.of_difference(shared),
+            response.unit_of_differences(),
+        ))
     }
 }
 

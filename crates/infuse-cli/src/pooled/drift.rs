@@ -2,8 +2,9 @@
 
 use std::cmp::Ordering;
 
-use infuse::pooled::Assessment;
+use anyhow::Result;
 use infuse::pooled::reported::{Block, Drift, Shift};
+use infuse::pooled::{Assessment, Settings};
 use page::Finding;
 use serde_json::{Value, json};
 
@@ -14,6 +15,8 @@ use crate::problem::Held;
 /// Blocks that are named, those that are farthest off, of those of so many runs at least.
 const MOST_NAMED: usize = 6;
 const FEWEST: usize = 3;
+/// The name of a number.
+const TIMES: &str = "times more probable, logarithm";
 
 /// The responses of which the results are sure that they drift.
 pub(super) fn drifting<'a>(campaign: &'a Campaign, found: &'a Assessment) -> impl Iterator<Item = &'a str> {
@@ -50,9 +53,11 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
         let named = named_of_response(campaign, shifts);
         let (noise, shared) = match found.assembly {
             Some(shared) => (found.noise, Some(response.amount(shared))),
-            None => (drift.noise, None),
+            None => (found.noise, None),
         };
-        let finding = warning("", &named, &response.amount(noise), drift, shared);
+        let has_it = if shared.is_none() && campaign.settings.noise.is_none() { ", with that in it" } else { "" };
+        let noise = format!("{}{has_it}", response.amount(noise));
+        let finding = warning("", &named, &noise, drift, shared);
         let deviation = response.of_difference(found.assembly.unwrap_or(drift.deviation));
         let unit = response.unit_of_differences();
         finding.with("shared by runs of a batch", deviation, unit)
@@ -61,8 +66,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     let of_constraints = of_each.filter_map(|(index, (held, drift))| {
         let drift = drift.as_ref().filter(|drift| drift.is_sure())?;
         let amount = |amount: f64| with_unit(&short(amount), &held.unit);
-        let side = |by: f64| if by < 0.0 { "below" } else { "above" };
-        let named = named(&drift.shifts, |by| format!("{} {}", amount(by.abs()), side(by)));
+        let named = named_of_constraint(held, &drift.shifts);
         let what = format!(" in `{}`", held.name());
         let shared = found.constrained_shared.get(index).copied().flatten();
         let finding = warning(&what, &named, &amount(drift.noise), drift, shared.map(amount));
@@ -75,6 +79,12 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
 fn named_of_response(campaign: &Campaign, shifts: &[Shift]) -> String {
     let response = &campaign.problem.response;
     named(shifts, |by| format!("{} {}", response.amount(by.abs()), response.side(by)))
+}
+
+/// The same of a response that is constrained.
+fn named_of_constraint(held: &Held, shifts: &[Shift]) -> String {
+    let side = |by: f64| if by < 0.0 { "below" } else { "above" };
+    named(shifts, |by| format!("{} {}", with_unit(&short(by.abs()), &held.unit), side(by)))
 }
 
 /// `shared` is the error that runs of a block share, where it is taken in.
@@ -95,32 +105,73 @@ fn warning(what: &str, named: &str, noise: &str, drift: &Drift, shared: Option<S
         "Careful: runs of one batch, or of one source, read alike{what}, beyond what their settings explain: {named} what is expected of them, in \
          the mean; the noise of one run is about {noise}. {question} {so}"
     );
-    Finding::new(sentence).with("times more probable, logarithm", drift.gain, "1")
+    with_gain(Finding::new(sentence), Some(drift))
 }
 
-/// "Runs of a batch share an error", where the file says so.
-pub(super) fn shared(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+/// "Runs of a batch share an error", where the file says so, and whether the results say so, too.
+pub(super) fn shared(campaign: &Campaign, found: &Assessment) -> Result<Option<Finding>> {
     let is_said = campaign.settings.blocks == Some(true) && campaign.settings.plants.is_none();
-    let shared = found.assembly.filter(|_| is_said)?;
+    let Some(shared) = found.assembly.filter(|_| is_said) else { return Ok(None) };
     let response = &campaign.problem.response;
-    let named = named_of_response(campaign, &found.shifts);
-    let named = if named.is_empty() { named } else { format!(" In the mean {named} what is expected of them.") };
+    let named = in_the_mean(&named_of_response(campaign, &found.shifts));
+    let (drift, constrained_drifts) =
+        by_themselves(campaign)?.map_or((None, Vec::new()), |found| (found.drift, found.constrained_drifts));
     let sentence = format!(
         "Runs of a batch, or of a source, share an error, as `blocks` in [loop] says: {} (standard deviation), as far as the runs tell it \
          from the noise; where nothing drifts about as much as that of one run, or less.{named} What is expected is the mean over batches and \
-         sources.",
-        response.amount(shared)
+         sources. {}",
+        response.amount(shared),
+        spoken_for(drift.as_ref())
     );
     let finding =
         Finding::new(sentence).with("shared error", response.of_difference(shared), response.unit_of_differences());
-    let of_each = campaign.problem.constraints.iter().zip(&found.constrained_shared);
-    let of_each = of_each.filter_map(|(held, shared)| Some(of_constraint(held, (*shared)?)));
-    Some(of_each.fold(finding, Finding::detail))
+    let finding = with_gain(finding, drift.as_ref());
+    let of_each = campaign.problem.constraints.iter().zip(&found.constrained_shared).enumerate();
+    let of_each = of_each.filter_map(|(index, (held, shared))| {
+        Some(of_constraint(held, (*shared)?, constrained_drifts.get(index).and_then(Option::as_ref)))
+    });
+    Ok(Some(of_each.fold(finding, Finding::detail)))
 }
 
-fn of_constraint(held: &Held, shared: f64) -> Finding {
-    let sentence = format!("{}: {} (standard deviation).", held.name(), with_unit(&short(shared), &held.unit));
-    Finding::new(sentence).with("shared error", shared, &held.unit)
+fn of_constraint(held: &Held, shared: f64, drift: Option<&Drift>) -> Finding {
+    let named = drift.map_or_else(String::new, |drift| in_the_mean(&named_of_constraint(held, &drift.shifts)));
+    let shown = with_unit(&short(shared), &held.unit);
+    let sentence = format!("{}: {shown} (standard deviation).{named} {}", held.name(), spoken_for(drift));
+    with_gain(Finding::new(sentence).with("shared error", shared, &held.unit), drift)
+}
+
+/// " In the mean batch 1 0.2 mm above what is expected of them."
+fn in_the_mean(named: &str) -> String {
+    if named.is_empty() { String::new() } else { format!(" In the mean {named} what is expected of them.") }
+}
+
+/// Whether results speak for an error that the file says there is.
+fn spoken_for(drift: Option<&Drift>) -> &'static str {
+    match drift {
+        Some(drift) if drift.is_sure() => "By themselves, too, the results are sure of it.",
+        Some(drift) if drift.gain > 0.0 => "By themselves the results speak for it, and are not sure of it.",
+        Some(_) => "By themselves the results do not speak for it.",
+        None => "Whether there is one, results tell from two batches, or sources, of several designs on.",
+    }
+}
+
+fn with_gain(finding: Finding, drift: Option<&Drift>) -> Finding {
+    drift.into_iter().fold(finding, |finding, drift| finding.with(TIMES, drift.gain, "1"))
+}
+
+/// What would be known had the file not said that runs of a batch share an error: only then it is asked whether results speak for one.
+fn by_themselves(campaign: &Campaign) -> Result<Option<Assessment>> {
+    campaign.with_loop(|now, simulate| {
+        let settings = Settings::clone(now.settings());
+        let mut unsaid = settings.clone();
+        unsaid.blocks = Some(false);
+        // How large an error may be that is shared is asked in multiples of the noise.
+        unsaid.noise = unsaid.noise.filter(|noise| *noise > 0.0);
+        now.set_settings(unsaid)?;
+        let found = now.assess(simulate);
+        now.set_settings(settings)?;
+        found
+    })
 }
 
 /// "batch 1 0.2 mm above, batch 3 0.3 mm below, and 2 more": those that are farthest off, in their order.
@@ -131,12 +182,12 @@ fn named(shifts: &[Shift], far: impl Fn(f64) -> String) -> String {
     large.truncate(MOST_NAMED);
     large.sort_by(|a, b| a.block.cmp(&b.block));
     let named: Vec<String> =
-        large.iter().map(|shift| format!("{} {}", of_block(&shift.block), far(shift.by))).collect();
+        large.iter().map(|shift| format!("{} {}", named_block(&shift.block), far(shift.by))).collect();
     let more = if n_more > 0 { format!(" (and {n_more} more, less far off)") } else { String::new() };
     format!("{}{more}", named.join(", "))
 }
 
-fn of_block(block: &Block) -> String {
+pub(super) fn named_block(block: &Block) -> String {
     match block {
         Block::Batch(batch) => format!("batch {batch}"),
         Block::Source(source) => format!("`{source}`"),
@@ -183,5 +234,5 @@ fn in_json(drift: Option<&Drift>, deviation: impl Fn(f64) -> f64, by: impl Fn(f6
 }
 
 fn shift_in_json(shift: &Shift, by: f64) -> Value {
-    json!({ "of": of_block(&shift.block).replace('`', ""), "runs": shift.n_readings, "by": by })
+    json!({ "of": named_block(&shift.block).replace('`', ""), "runs": shift.n_readings, "by": by })
 }

@@ -1,6 +1,7 @@
 //! What a campaign of the pooled loop has found, in sentences with their numbers.
 
 use anyhow::Result;
+use infuse::global::PureError;
 use infuse::pooled::reported::SimulationWorth;
 use infuse::pooled::{Assessment, Certificate, Forecast, Needed, Standing, StopBy};
 use page::Finding;
@@ -8,7 +9,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::bands::{IGNORED, NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure, unlikely_to_keep};
-use super::campaign::{Campaign, Origin, tells_designs_apart};
+use super::campaign::{Campaign, tells_designs_apart};
 use super::displaced;
 use super::drift;
 use super::failures::{FailedSimulations, where_runs_fail};
@@ -49,7 +50,7 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
             .chain(FailedSimulations::of(campaign)?.in_words(campaign))
             .chain([noise(campaign, found)])
             .chain(where_runs_fail(campaign))
-            .chain(drift::shared(campaign, found))
+            .chain(drift::shared(campaign, found)?)
             .chain(plants(campaign, found))
             .collect(),
     ])
@@ -70,18 +71,8 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     // Where all results are equal, one design is as good as another.
     let bounds = if all_equal(campaign).is_some() { Vec::new() } else { on_bounds(problem, &here.point) };
     best = bounds.into_iter().fold(best, Finding::detail);
-    if let Some(measured) = campaign.best_measured(&set_aside(campaign, found)) {
-        let shown = response.value_to(measured.cost, resolution(found));
-        let (name, place) = (campaign.name_of(measured.origin), problem.describe(&measured.settings));
-        let why_not = campaign.nearest(&measured.settings).ok().and_then(|(_, cell)| campaign.why_not(cell));
-        let why_not = why_not.map_or_else(String::new, |why_not| format!("; {why_not}"));
-        let sentence = match measured.n_runs {
-            1 => format!("Best measured: {shown}, {name} at {place}{why_not}."),
-            n => format!("Best measured: {shown}, the mean of {n} runs at {place}{why_not}."),
-        };
-        best =
-            best.detail(Finding::new(sentence).with("best measured", response.of_cost(measured.cost), &response.unit));
-    }
+    let measured = campaign.best_measured(found).map(|measured| measured.in_words(campaign, found));
+    best = measured.into_iter().fold(best, Finding::detail);
     if let Some(cell) = campaign.choice_of_the_simulation()? {
         let design = problem.describe(&campaign.grid.point(cell)?);
         let there = match (campaign.failure_at(cell), campaign.standing(cell)?) {
@@ -109,13 +100,6 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
 /// Where the simulation is displaced, its own choice is that of nobody who knows.
 pub(super) fn as_it_stands(found: &Assessment) -> Option<&'static str> {
     found.displacement.as_ref().map(|_| "taken as it stands")
-}
-
-/// The readings that the surface does without.
-pub(super) fn set_aside(campaign: &Campaign, found: &Assessment) -> Vec<Origin> {
-    let origins = campaign.origins();
-    let aside = found.outliers.iter().filter(|outlier| outlier.set_aside);
-    aside.filter_map(|outlier| origins.get(outlier.reading).copied()).collect()
 }
 
 /// What is expected at a design, with its band.
@@ -166,8 +150,8 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
         None => match near(campaign, &here.point).as_slice() {
             // Of what can be set anywhere, the next best is always a hair away.
             [] => {
-                let best = campaign.best_measured(&set_aside(campaign, found));
-                let beyond = match best.is_some_and(|best| here.mean < best.cost) {
+                let best = campaign.best_measured(found);
+                let beyond = match best.is_some_and(|best| here.mean < best.without_shift()) {
                     true => " Nothing that was run measured as good.",
                     false => "",
                 };
@@ -638,11 +622,20 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         }
         (None, 0) if campaign.origins().len() < 3 => "Noise of one run: too few runs to know it.".to_owned(),
         (None, 0) => {
-            format!("Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice.")
+            let twice =
+                if found.assembly.is_some() && differs_between_blocks(campaign) { " within a batch" } else { "" };
+            format!(
+                "Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice{twice}."
+            )
         }
         (None, n) if campaign.repeats(found).is_some_and(|repeats| repeats.variance <= 0.0) => {
             let differ = if n == 1 { "the one repeat does not" } else { &*format!("the {n} repeats do not") };
             match found.is_exact {
+                false if differs_between_blocks(campaign) => format!(
+                    "Noise of one run: about {deviation} by the surface; it is not known. Within a batch {differ} differ at all, but runs of \
+                     one design in different batches do, and only where none differ the noise is taken for none. If there surely is none, \
+                     give `noise = 0` and `blocks = true` in [loop]."
+                ),
                 true => format!(
                     "Noise of one run: taken for none, as {differ} differ at all, until one does. If that may be chance, give `noise` in [loop]."
                 ),
@@ -679,6 +672,11 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     };
     let (noise, unit) = (response.of_difference(found.noise), response.unit_of_differences());
     Finding::new(sentence).with("noise", noise, unit).with("repeats", found.n_repeats as f64, "1")
+}
+
+/// Whether runs of equal settings differ, whatever batches they are of.
+fn differs_between_blocks(campaign: &Campaign) -> bool {
+    PureError::of_readings(campaign.runs()).is_some_and(|repeats| repeats.variance > 0.0)
 }
 
 /// Repeats that scatter as little are less likely than this, if what the surface takes for noise were noise.

@@ -11,15 +11,15 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use super::bounds::as_json;
-use super::campaign::{Access, Campaign, Origin};
+use super::campaign::{Access, Campaign};
 use super::dry::dry_pick;
 use super::failures::FailedSimulations;
-use super::findings::{closed, known, lesson, none_better, promised, recommendation, set_aside, standing_in_words};
+use super::findings::{closed, known, lesson, none_better, promised, recommendation, standing_in_words};
 use super::given_noise::contradiction;
 use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, displaced, drift, hand_out, report, what_if};
-use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
+use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Reserve, Stage, Wish};
 use crate::findings::all_batches_made;
 use crate::journal::{Event, Journal, Submitted, Writer};
 use crate::number::percent;
@@ -103,6 +103,13 @@ impl campaign::Campaign for Campaign {
         Ok(Budget { terms: None, experiments, batches, simulations, without_reserve, grid: self.grid.clone() })
     }
 
+    fn reserve(&self) -> Result<Option<Reserve>> {
+        let (Some(until), n_left) = (self.empty.designs_without_reserve(), self.n_left()) else { return Ok(None) };
+        let Some(found) = self.assessment()? else { return Ok(Some(Reserve { until, so_far: 0.0, n_left })) };
+        let until = found.forecast.reserves_until().map_or(until, |now| now.max(until));
+        Ok(Some(Reserve { until, so_far: found.forecast.n_counted(), n_left }))
+    }
+
     fn dry_pick(&self) -> Result<Option<Duration>> {
         dry_pick(&self.problem, &self.settings).map(Some)
     }
@@ -157,15 +164,7 @@ impl campaign::Campaign for Campaign {
                 "noise": response.of_difference(assessed.noise),
             })
         });
-        let best_measured = self.best_measured(&set_aside(self, &found)).map(|best| {
-            let id = match best.origin {
-                Origin::Own(id) => Some(id),
-                Origin::Imported(_) => None,
-            };
-            json!({
-                "id": id, "value": response.of_cost(best.cost), "runs": best.n_runs, "settings": problem.named(&best.settings),
-            })
-        });
+        let best_measured = self.best_measured(&found).map(|best| best.as_json(self));
         let (of_batches, of_plants) = match self.settings.plants {
             Some(_) => (None, found.assembly),
             None => (found.assembly, None),

@@ -2,6 +2,7 @@
 
 mod apply;
 mod bands;
+mod best;
 mod bounds;
 mod buildable;
 mod campaign;

@@ -3,8 +3,8 @@
 use std::cmp::Ordering;
 
 use anyhow::Result;
-use infuse::pooled::Assessment;
 use infuse::pooled::reported::Outlier;
+use infuse::pooled::{Assessment, Standing};
 use page::Finding;
 
 use super::bands::resolution;
@@ -12,9 +12,10 @@ use super::campaign::{Campaign, Origin};
 use super::drift;
 use super::given_noise::{too_large, too_small};
 use crate::campaign::{Campaign as _, Imported};
-use crate::findings::there_twice;
+use crate::findings::{Twice, there_twice};
 use crate::number::{count, plain, short, with_unit};
 use crate::problem::{Goal, Scale};
+use crate::wording::all_of;
 
 /// Outliers that are named.
 const MOST_NAMED: usize = 5;
@@ -29,14 +30,15 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
         let there = &contradiction.standing;
         let measured = response.value_to(there.measured.unwrap_or(there.mean), resolution(found));
         let times = short(contradiction.deviations.abs());
+        let off = off_there(campaign, found, there);
         let sentence = if there.cell == found.recommended.cell {
             format!(
-                "Careful: the recommended design itself measured {measured}, {times} standard errors worse than the surface \
+                "Careful: the recommended design itself measured {measured}{off}, {times} standard errors worse than the surface \
                  expects of it."
             )
         } else {
             format!(
-                "Careful: {} measured {measured}, {times} standard errors better than what is expected of the recommended \
+                "Careful: {} measured {measured}{off}, {times} standard errors better than what is expected of the recommended \
                  design. Run both again, with `infuse confirm`.",
                 problem.describe(&there.point)
             )
@@ -53,6 +55,21 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     warnings.extend(all_equal(campaign));
     warnings.extend(imported_twice(campaign));
     Ok(warnings)
+}
+
+/// ", in batch 2, which reads 1.1 mm below what is expected of it (4.3 mm without that)", where that is taken in.
+fn off_there(campaign: &Campaign, found: &Assessment, there: &Standing) -> String {
+    let is_there =
+        |origin: &Origin| campaign.grid.nearest(&campaign.settings_of(*origin)).is_ok_and(|near| near == there.cell);
+    let are_there: Vec<bool> = campaign.origins().iter().map(is_there).collect();
+    let off = campaign.off_of_readings(found, |at| are_there[at]);
+    match (off.in_words(campaign), there.measured) {
+        (off_in_words, Some(measured)) if !off_in_words.is_empty() => {
+            let without = campaign.problem.response.value_to(measured - off.by, resolution(found));
+            format!("{off_in_words} ({without} without that)")
+        }
+        (off_in_words, _) => off_in_words,
+    }
 }
 
 /// That no experiment gave a value, though some were made.
@@ -122,7 +139,7 @@ fn left_from_another_scale(campaign: &Campaign) -> Option<Finding> {
         let sentence = format!(
             "Careful: `scale` of [response] was changed, and {} as before: it was {before}. Now `worth` and `noise` are {now}: put them \
              right; from the next batch on they are taken for meant.",
-            named.collect::<Vec<_>>().join(" and ")
+            all_of(&named.collect::<Vec<_>>())
         );
         Finding::new(sentence)
     })
@@ -170,16 +187,15 @@ pub(super) fn all_equal(campaign: &Campaign) -> Option<Finding> {
     })
 }
 
-/// That imported experiments of two sources have the same settings and results.
-fn imported_twice(campaign: &Campaign) -> Option<Finding> {
+/// That imported experiments of two sources have the same settings and results: of each two sources.
+fn imported_twice(campaign: &Campaign) -> Vec<Finding> {
     let all = campaign.imported();
     let twice = |(at, one): (usize, &Imported)| {
         let is_like = |earlier: &&Imported| earlier.is_alike(&one.point, &one.result, &one.constrained);
         let earlier = all[..at].iter().find(|earlier| earlier.source != one.source && is_like(earlier))?;
         Some((earlier.source.clone(), one.source.clone()))
     };
-    let twice: Vec<(String, String)> = all.iter().enumerate().filter_map(twice).collect();
-    twice.first().map(|(earlier, source)| there_twice(twice.len(), earlier, source))
+    there_twice(&Twice::of(all.iter().enumerate().filter_map(twice)))
 }
 
 /// What counts, and is far from what all others say, and noise that was given too small: nothing else is worth much before that is put

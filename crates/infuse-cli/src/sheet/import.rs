@@ -19,16 +19,18 @@ pub(crate) struct Imported {
     pub(crate) constrained: Constrained,
     /// Its own, if the table has a column for it.
     pub(crate) source: String,
+    /// What a person wrote beside it.
+    pub(crate) note: String,
 }
 
-/// Reads a table with a column per parameter, one for the response, and possibly columns named `source` and `failed`; the latter
-/// says why there is no response. Where no source of all rows is given, each row has to say its own.
+/// Reads a table with a column per parameter, one for the response, and possibly columns named `source`, `failed` and `note`; the
+/// second says why there is no response. Where no source of all rows is given, each row has to say its own.
 pub(crate) fn imported(path: &Path, problem: &Problem, of_all: Option<&str>) -> Result<Vec<Imported>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let mut columns = point_columns(problem);
     let source = columns.len();
-    columns.extend([Column::optional("source", ""), Column::optional("failed", "")]);
+    columns.extend(["source", "failed", "note"].map(|name| Column::optional(name, "")));
     let table = Table::read(path, &columns)?;
     ensure!(
         of_all.is_some() || table.has(source),
@@ -76,7 +78,8 @@ pub(crate) fn imported(path: &Path, problem: &Problem, of_all: Option<&str>) -> 
             faults.push(table.fault(row, k, expected));
         }
         if let (Some(point), Some(result)) = (point.into_iter().collect(), result) {
-            found.push(Imported { point, result, constrained, source: table.cell(row, source).to_owned() });
+            let text = |column: usize| table.cell(row, column).to_owned();
+            found.push(Imported { point, result, constrained, source: text(source), note: text(source + 2) });
         }
     }
     none_of(&path.display().to_string(), &faults)?;

@@ -216,7 +216,7 @@ impl Reader<'_> {
         let text = table.cell(row, column);
         let known = match (self.trials.keys().next(), self.trials.keys().next_back()) {
             (Some(first), Some(last)) => format!("the id of an experiment that was asked for, {first} to {last}"),
-            _ => "no sheet yet: nothing was asked for".to_owned(),
+            _ => "the id of an experiment that was asked for, and nothing was asked for yet".to_owned(),
         };
         if text.is_empty() {
             let expected = format!("{known}; or, for one more run of an experiment, its id under `repeats`");

@@ -164,6 +164,29 @@ fn a_column_says_where_each_earlier_experiment_comes_from() {
     assert!(error.contains("is a folder: --source is missing"), "{error}");
 }
 
+/// A note of an older table is kept as that of a sheet is, and stands on the page beside what it was written for.
+#[test]
+fn a_note_comes_with_an_earlier_experiment() {
+    let rig = Rig::pooled();
+    let heading = "damper gain [N s/mm],spring [N/mm],vibration [mm/s]";
+    let rows: String = (0..12)
+        .map(|at| {
+            let (spring, damper) = (10.0 + 8.0 * f64::from(at % 4), 0.5 + 1.2 * f64::from(at / 4));
+            let (off, note) = if at == 5 { (25.0, "it sang") } else { (0.0, "") };
+            format!("{damper},{spring},{:.3},{note}\n", truth(spring, damper) + off)
+        })
+        .collect();
+    rig.write("old.csv", &format!("{heading},note\n{rows}"));
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    let notes: Vec<Value> = rig.journal().iter().filter_map(|line| line.get("note").cloned()).collect();
+    assert_eq!(notes, ["it sang"], "where there is none, none is written");
+    rig.infuse(&["report"]).ok();
+    assert!(rig.read("report.html").contains("it sang"), "beside the experiment that taught most");
+    rig.write("old.csv", &format!("{heading},remark\n1.9,22,7.1,it sang\n"));
+    let error = rig.infuse(&["import", "old.csv", "--source", "another"]).error();
+    assert!(error.contains("`remark` is not known, expected one of ") && error.contains("`note`"), "{error}");
+}
+
 #[test]
 fn imports_are_withdrawn_by_their_source() {
     let rig = Rig::new();
@@ -172,6 +195,8 @@ fn imports_are_withdrawn_by_their_source() {
     let error = rig.infuse(&["import", "--withdraw", "slop"]).error();
     assert!(error.contains("nothing that is in use was imported from `slop`, expected one of `slip`"), "{error}");
     assert!(rig.infuse(&["import", "--withdraw", "slip"]).ok().contains("Withdrawn: 1 experiment."));
+    let error = rig.infuse(&["import", "--withdraw", "slip"]).error();
+    assert!(error.contains("expected a source of imported experiments, of which there are none"), "{error}");
     rig.batch();
     let reference = Rig::new();
     reference.batch();
@@ -186,15 +211,17 @@ fn rows_that_were_imported_from_elsewhere_are_said_to_count_twice() {
     let heading = "damper gain [N s/mm],spring [N/mm],vibration [mm/s]";
     rig.write("old.csv", &format!("{heading}\n1.9,22,71\n1.3,18,84\n"));
     let said = rig.infuse(&["import", "old.csv", "--source", "notebook 3"]).ok();
-    assert!(!said.contains("imported before"), "{said}");
+    assert!(!said.contains("settings and results of others"), "{said}");
     rig.write("more.csv", &format!("{heading},source\n1.9,22,71,p. 4\n1.9,22,70,p. 5\n1.3,22,84,p. 5\n"));
     let said = rig.infuse(&["import", "more.csv", "--source", "notebook 4"]).ok();
     assert!(said.contains("Imported: 3 experiments."), "{said}");
-    assert!(said.contains("1 row has settings and results that were imported before, from `notebook 3`,"), "{said}");
+    let twice = "1 row from `notebook 4: p. 4` has settings and results of others from `notebook 3`, and counts as a run of its own.";
+    assert!(said.contains(twice), "{said}");
     assert!(said.contains("infuse import --withdraw \"notebook 4: p. 4\""), "{said}");
+    assert!(said.contains("infuse import --withdraw \"notebook 3\""), "either may be the copy: {said}");
     let log = rig.infuse(&["log"]).ok();
     assert!(log.contains("2 experiments from old.csv, as `notebook 3`."), "{log}");
-    assert!(log.contains("3 experiments from more.csv, of 2 sources."), "{log}");
+    assert!(log.contains("3 experiments from more.csv, as `notebook 4: p. 4` and `notebook 4: p. 5`."), "{log}");
     assert!(rig.infuse(&["import", "--withdraw", "notebook 4: p. 4"]).ok().contains("Withdrawn: 1 experiment."));
     assert_eq!(rig.status()["imported"], 4);
 }

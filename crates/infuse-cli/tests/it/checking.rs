@@ -47,6 +47,34 @@ fn what_is_next_follows_from_where_the_campaign_stands() {
     assert!(!said.contains("infuse ask"), "{said}");
 }
 
+/// In the middle of a campaign the budget is that of what is left.
+#[test]
+fn what_was_done_is_not_advised_again() {
+    let rig = Rig::pooled();
+    let command = "command = [\"sh\", \"-c\", \"echo {spring} {damper gain} | awk '{print $1 / 7 + $2}'\"]\njobs = 4";
+    rig.edit("table = \"simulation.csv\"", command);
+    rig.edit("experiments = 10", "experiments = 10\nsimulations = \"all\"");
+    let text = rig.infuse(&["check"]).ok();
+    assert!(text.contains("Before the first batch all 169 designs are simulated"), "{text}");
+    assert!(text.contains("Until 40 designs were run, a repeat counting half, in 4 batches or more, what"), "{text}");
+    rig.batch();
+    let text = rig.infuse(&["check"]).ok();
+    assert!(text.contains("A batch costs no simulation any more: all designs were simulated."), "{text}");
+    assert!(!text.contains("Before the first batch"), "{text}");
+    let counted = rig.status()["designs_counted"].as_f64().unwrap();
+    let needed = ((40.0 - counted) / 10.0).ceil();
+    let said = format!("Until 40 designs were run ({counted} so far, a repeat counting half), in {needed} more batch");
+    assert!(text.contains(&said), "{said} is not in {text}");
+    for _ in 0..4 {
+        rig.infuse(&["ask", "--anyway"]).ok();
+        let sheet = format!("sheet-{}.csv", rig.status()["batches"].as_array().unwrap().len() + 1);
+        rig.fill(&sheet, |_| true);
+        rig.infuse(&["tell", &sheet]).ok();
+    }
+    let text = rig.infuse(&["check"]).ok();
+    assert!(!text.contains("leaves room for a narrow"), "nothing is held for one any more: {text}");
+}
+
 #[test]
 fn choices_are_named() {
     let rig = Rig::pooled();

@@ -99,6 +99,12 @@ fn a_constraint_whose_sensor_drifts_is_said_to_and_allowed_for() {
     rig.edit("[loop]", "[loop]\nblocks = true");
     let status = rig.infuse(&["status"]).ok();
     assert!(!status.contains("read alike") && status.contains("travel: 1."), "what its readings share: {status}");
+    let said = status.lines().find(|line| line.contains("travel: 1.")).unwrap_or_else(|| panic!("{status}"));
+    assert!(
+        said.contains("In the mean batch 1 ") && said.contains(", batch 4 "),
+        "by how much each batch is off: {said}"
+    );
+    assert!(said.contains("By themselves, too, the results are sure of it."), "{said}");
 }
 
 #[test]

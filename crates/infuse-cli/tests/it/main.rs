@@ -7,6 +7,7 @@ mod careful;
 mod checking;
 mod constraints;
 mod dissertation;
+mod drifts;
 mod faults;
 mod interruptions;
 mod journals;

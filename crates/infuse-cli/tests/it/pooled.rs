@@ -973,8 +973,63 @@ fn imported_experiments_that_two_sources_have_are_said_until_one_is_withdrawn() 
     rig.infuse(&["import", "old.csv", "--source", "copy"]).ok();
     let said = rig.infuse(&["status"]).ok();
     assert!(said.contains("6 experiments from `copy` have settings and results of others from `notebook`"), "{said}");
+    for source in ["copy", "notebook"] {
+        assert!(said.contains(&format!("`infuse import --withdraw \"{source}\"`")), "either may be the copy: {said}");
+    }
     rig.infuse(&["import", "--withdraw", "copy"]).ok();
     assert!(!rig.infuse(&["status"]).ok().contains("settings and results of others"));
+    // Of one table, and each two sources by themselves.
+    rig.infuse(&["import", "--withdraw", "notebook"]).ok();
+    let of = |source: &str, rows: &str| rows.lines().map(|row| format!("{row},{source}\n")).collect::<String>();
+    let one_more = of("p. 7", "1,1,117\n");
+    rig.write(
+        "old.csv",
+        &format!(
+            "a [mm],b [mm],y [N],source\n{}{}{one_more}{}",
+            of("p. 7", &rows),
+            of("p. 8", &rows),
+            of("p. 9", "1,1,117\n")
+        ),
+    );
+    let at_once = rig.infuse(&["import", "old.csv"]).ok();
+    let later = rig.infuse(&["status"]).ok();
+    for (said, what) in [(at_once, ["row", "rows"]), (later, ["experiment", "experiments"])] {
+        let [one, many] = what;
+        assert!(
+            said.contains(&format!("6 {many} from `p. 8` have settings and results of others from `p. 7`")),
+            "{said}"
+        );
+        assert!(
+            said.contains(&format!("1 {one} from `p. 9` has settings and results of others from `p. 7`")),
+            "{said}"
+        );
+    }
+}
+
+/// Without what was withdrawn less is known, and that is the reason that is said, not what follows from it.
+#[test]
+fn a_bound_that_rises_after_a_withdrawal_names_it() {
+    let rig = rig_of(|a, b| a + b, "");
+    rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+    let bowl = |a: f64, b: f64| 50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2);
+    let grid = (0..25).map(|at| (f64::from(2 * (at / 5)), f64::from(3 * (at % 5)), 100 + at as u64));
+    let rows: String = grid.map(|(a, b, id)| format!("{a},{b},{:.3}\n", bowl(a, b) + 0.5 * wobble(id))).collect();
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n{rows}"));
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    for _ in 0..2 {
+        assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + 0.5 * wobble(id))), "a batch");
+    }
+    let said = "It has risen: what had been imported was withdrawn, 25 experiments of `notebook`";
+    assert!(!rig.infuse(&["status"]).ok().contains(said), "nothing was withdrawn yet");
+    rig.infuse(&["import", "--withdraw", "notebook"]).ok();
+    let now = rig.infuse(&["status"]).ok();
+    assert!(now.contains(said), "at once: {now}");
+    assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + 0.5 * wobble(id))), "a batch");
+    let after = rig.infuse(&["status"]).ok();
+    assert!(after.contains(said), "and after the next batch: {after}");
+    assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + 0.5 * wobble(id))), "a batch");
+    let later = rig.infuse(&["status"]).ok();
+    assert!(!later.contains("was withdrawn"), "what is said last knows of it: {later}");
 }
 
 /// The simulation would choose what was run, and failed; and fewer batches are asked for than were made.

@@ -249,6 +249,30 @@ fn a_sheet_that_still_has_results_that_were_taken_back_is_named() {
     assert!(said.contains("of experiments 1, 2: "), "the same batch, asked for anew: {said}");
 }
 
+/// What a person wrote into the sheet of an ask that is taken back is in no journal: nobody is told to remove it.
+#[test]
+fn results_that_were_never_told_are_named_when_their_ask_is_taken_back() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    rig.fill("sheet-1.csv", |id| id == 2 || id == 5);
+    let sheet = rig.read("sheet-1.csv");
+    let said = rig.infuse(&["undo"]).stderr;
+    let named = "sheet-1.csv belongs to what was taken back, and has results that were never told, of experiments 2, 5: they stand nowhere else.";
+    assert!(said.contains(named) && !said.contains("remove"), "{said}");
+    assert_eq!(rig.read("sheet-1.csv"), sheet, "it is a person's");
+    // The same is asked for again.
+    ask(&rig);
+    assert!(rig.infuse(&["tell", "sheet-1.csv"]).ok().contains("Taken: 2 results."), "{sheet}");
+    // What was told is in the journal.
+    rig.infuse(&["undo"]).ok();
+    let said = rig.infuse(&["undo"]).stderr;
+    assert!(said.contains("sheet-1.csv belongs to what was taken back: move or remove it"), "{said}");
+    ask(&rig);
+    rig.write("sheet-1.csv", &sheet.replacen("\n1,", "\n1,x", 1));
+    let said = rig.infuse(&["undo"]).stderr;
+    assert!(said.contains("whether it has results that were never told cannot be read ("), "{said}");
+}
+
 /// A row of a sheet, with another value if it is of this experiment.
 fn put_right(line: &str, id: &str, value: &str) -> String {
     let mut cells: Vec<&str> = line.split(',').collect();

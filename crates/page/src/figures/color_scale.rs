@@ -189,8 +189,13 @@ fn round_distances(distances: &[f64]) -> Vec<f64> {
 /// Below this ratio of the highest to the lowest value differences tell as much.
 const LEAST_RATIO: f64 = 3.0;
 
-/// Round numbers of about the same ratio from below the lowest of these values to above the highest, at most some twelve: 1, 2 and 5
-/// times powers of ten, powers of ten, or one in a few of these. None where a value is not positive, or they span too little.
+/// Borders within each of a few powers of ten, by what they are times of it: evenly spread, about, on a logarithmic scale.
+const THIRDS: &[f64] = &ROUND;
+const HALVES: &[f64] = &[1.0, 3.0];
+
+/// Round numbers of about the same ratio from below the lowest of these values to above the highest, at most some ten: 1, 2 and 5
+/// times powers of ten, 1 and 3 times, powers of ten, or one in a few of these. None where a value is not positive, or they span too
+/// little.
 fn round_ratios(ranked: &[f64], sign: f64) -> Option<Vec<f64>> {
     let (first, last) = (sign * ranked.first()?, sign * ranked.last()?);
     let (lowest, highest) = (first.min(last), first.max(last));
@@ -199,24 +204,19 @@ fn round_ratios(ranked: &[f64], sign: f64) -> Option<Vec<f64>> {
     }
     let (from, to) = ((lowest.log10() + 1e-9).floor() as i32, (highest.log10() - 1e-9).ceil() as i32);
     let decades = usize::try_from(to - from).ok()?;
-    if decades <= BANDS / 3 {
-        let powers = (from..=to).map(|exponent| 10_f64.powi(exponent));
-        let all: Vec<f64> = powers.flat_map(|power| ROUND.map(|times| times * power)).collect();
-        let begin = all.iter().rposition(|border| *border <= lowest * (1.0 + 1e-9))?;
-        let end = all.iter().position(|border| *border >= highest * (1.0 - 1e-9))?;
-        return Some(all[begin..=end].to_vec());
-    }
-    let stride = decades.div_ceil(BANDS);
-    let n = decades.div_ceil(stride);
-    let powers = (0..=n).map(|step| Some(10_f64.powi(from + i32::try_from(step * stride).ok()?)));
-    let mut borders = powers.collect::<Option<Vec<f64>>>()?;
-    if stride == 1 {
-        // The power of ten with the first color in it is told apart within.
-        let of_first = if sign > 0.0 { borders[0] } else { borders[n - 1] };
-        borders.extend([2.0 * of_first, 5.0 * of_first]);
-        borders.sort_by(f64::total_cmp);
-    }
-    Some(borders)
+    let within = match decades {
+        few if few <= BANDS / THIRDS.len() => THIRDS,
+        some if some <= BANDS / HALVES.len() => HALVES,
+        _ => &[1.0],
+    };
+    let stride = decades.div_ceil(BANDS).max(1);
+    let powers =
+        (0..=decades.div_ceil(stride)).map(|step| Some(10_f64.powi(from + i32::try_from(step * stride).ok()?)));
+    let powers = powers.collect::<Option<Vec<f64>>>()?;
+    let all: Vec<f64> = powers.iter().flat_map(|power| within.iter().map(move |times| times * power)).collect();
+    let begin = all.iter().rposition(|border| *border <= lowest * (1.0 + 1e-9))?;
+    let end = all.iter().position(|border| *border >= highest * (1.0 - 1e-9))?;
+    Some(all[begin..=end].to_vec())
 }
 
 /// The bar beside the frame of a whole figure.
@@ -322,13 +322,25 @@ mod tests {
             Some((&"1e\u{2212}9".into(), &"1e\u{2212}2".into()))
         );
         let band = |value: f64| (0..decades.count()).find(|&band| decades.color(band) == decades.color_of(value));
-        assert_eq!((band(1.5e-9), band(3e-9), band(3e-8), band(3e-4)), (Some(0), Some(1), Some(3), Some(7)));
+        assert_eq!((band(1.5e-9), band(3e-9), band(3e-8), band(3e-4)), (Some(0), Some(0), Some(1), Some(5)));
         let mirrored = bands(ColorScale::RatiosFromHighest, &[3e-9, 1e-6, 2e-3]);
-        let few = [0, 1, 3].map(|band| mirrored.text(band));
-        assert_eq!(few, ["1e\u{2212}2", "5e\u{2212}3", "1e\u{2212}3"], "all as powers of ten");
-        assert_eq!((mirrored.color_of(7e-3), mirrored.color_of(1.5e-3)), (mirrored.color(0), mirrored.color(2)));
+        let few = [0, 1, 2].map(|band| mirrored.text(band));
+        assert_eq!(few, ["1e\u{2212}2", "1e\u{2212}3", "1e\u{2212}4"], "all as powers of ten");
+        assert_eq!((mirrored.color_of(7e-3), mirrored.color_of(1.5e-4)), (mirrored.color(0), mirrored.color(1)));
+        let some = bands(ColorScale::RatiosFromLowest, &[1.0, 4000.0]);
+        assert_eq!(
+            some.texts,
+            ["1", "3", "10", "30", "100", "300", "1000", "3000", "10000"],
+            "no power of ten in one color"
+        );
         assert_eq!(bands(ColorScale::RatiosFromLowest, &[3.0, 45.0]).texts, ["2", "5", "10", "20", "50"]);
         assert!(bands(ColorScale::RatiosFromLowest, &[1e-90, 1e90]).count() <= 12);
+        for exponent in 1..=12 {
+            let bands = bands(ColorScale::RatiosFromLowest, &[1.0, 0.9 * 10_f64.powi(exponent)]);
+            let ratios: Vec<f64> = bands.borders.windows(2).map(|pair| (pair[1] / pair[0]).ln()).collect();
+            let ends = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), one| (low.min(*one), high.max(*one)));
+            assert!(ends.1 < 1.5 * ends.0 && (3..=12).contains(&bands.count()), "{exponent}: {:?}", bands.borders);
+        }
         assert_eq!(bands(ColorScale::RatiosFromLowest, &[-1.0, 4.0]).texts.first(), Some(&"\u{2212}1.0".into()));
     }
 

@@ -8,9 +8,9 @@ use infuse::pooled::StopBy;
 use page::Finding;
 use serde_json::{Value, json};
 
-use crate::campaign::{Budget, Campaign};
+use crate::campaign::{Budget, Campaign, Reserve};
 use crate::findings::WITHOUT_RESERVE;
-use crate::number::{count, grouped, percent, seconds};
+use crate::number::{count, grouped, percent, plain, seconds};
 use crate::problem::{Problem, Scale, Simulator};
 use crate::spread::spread;
 
@@ -34,7 +34,7 @@ pub(super) fn in_words(
     let allowed = allowed(problem, grid);
     let n_simulations = simulations_in_all(budget, problem, allowed);
     let mut findings = vec![whole(budget, problem, allowed)];
-    findings.extend(simulated(budget, problem, took, n_simulations));
+    findings.extend(simulated(campaign, budget, took, n_simulations)?);
     let costs = problem.costs.as_ref().map(|costs| {
         let (of_batch, n_plants) = costs.at_most(*experiments);
         let in_all = of_batch * *batches as f64;
@@ -49,7 +49,7 @@ pub(super) fn in_words(
         findings.push(finding.with("cost in all", in_all, costs.unit()));
         json!({ "batch": of_batch, "all": in_all, "unit": costs.unit(), "plants_per_batch": n_plants })
     });
-    findings.extend(without_reserve.map(|n| reserved(n, budget, problem)));
+    findings.extend(campaign.reserve()?.and_then(|reserve| reserved(reserve, budget, problem)));
     let choosing = campaign.dry_pick()?;
     findings.push(Finding::new(match choosing {
         Some(took) => format!(
@@ -135,19 +135,30 @@ fn whole(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> Findin
     Finding::new(sentence).with("runs at most", (experiments * batches) as f64, "1")
 }
 
-/// From when on the certificate is as narrow as what was measured says.
-fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Problem) -> Finding {
-    let needed = n.div_ceil(*experiments);
-    let enough = match needed {
-        needed if needed <= *batches => format!("in {} or more", count(needed, "batch")),
-        _ => "more than the campaign has".to_owned(),
+/// From when on the certificate is as narrow as what was measured says, unless it is.
+fn reserved(reserve: Reserve, budget: &Budget, problem: &Problem) -> Option<Finding> {
+    let Reserve { until: n, so_far, n_left } = reserve;
+    let needed = ((n as f64 - so_far) / budget.experiments as f64).ceil() as usize;
+    if needed == 0 {
+        return None;
+    }
+    let (is_begun, is_enough) = (so_far > 0.0, needed <= n_left);
+    let counted = match is_begun {
+        true => format!(" ({} so far, a repeat counting half)", plain(so_far)),
+        false => ", a repeat counting half".to_owned(),
+    };
+    let enough = match (is_enough, is_begun) {
+        (true, false) => format!("in {} or more", count(needed, "batch")),
+        (true, true) => format!("in {} or more", count(needed, "more batch")),
+        (false, false) => "more than the campaign has".to_owned(),
+        (false, true) => "more than is left of the campaign".to_owned(),
     };
     let out_of_reach = match problem.worth {
         None if problem.stop_by == Some(StopBy::Surface) => " `by` in [stop] ends nothing without `worth`.",
         Some(_) if problem.stop_by == Some(StopBy::Surface) => {
             " The campaign does not wait for that: it stops by the surface alone, as `by` in [stop] says."
         }
-        Some(_) if needed > *batches => {
+        Some(_) if !is_enough => {
             " So `worth` may never be met: raise `batches` in [loop], set `smooth` if it is so, or stop by the surface alone (`by` = \"surface\")."
         }
         _ => "",
@@ -161,11 +172,11 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Pr
         _ => "",
     };
     let sentence = format!(
-        "Until {} run, a repeat counting half, {enough}, what the certificate promises leaves room for a \
+        "Until {} run{counted}, {enough}, what the certificate promises leaves room for a \
          narrow {well}; `smooth` in [stop] says that there surely is none.{out_of_reach}{as_a_power}",
         if n == 1 { "one design was".to_owned() } else { format!("{n} designs were") }
     );
-    Finding::new(sentence).with(WITHOUT_RESERVE, n as f64, "1")
+    Some(Finding::new(sentence).with(WITHOUT_RESERVE, n as f64, "1"))
 }
 
 /// Simulations of the whole campaign, at most; none where they are looked up.
@@ -179,10 +190,10 @@ fn simulations_in_all(budget: &Budget, problem: &Problem, allowed: Option<Allowe
 }
 
 /// What is simulated, and how long it takes.
-fn simulated(budget: &Budget, problem: &Problem, took: Option<Duration>, in_all: u64) -> Vec<Finding> {
-    let jobs = match &problem.simulator {
-        Simulator::Nothing => return Vec::new(),
-        Simulator::Table(_) => return vec![Finding::new("A batch costs no simulation: they are looked up.")],
+fn simulated(campaign: &dyn Campaign, budget: &Budget, took: Option<Duration>, in_all: u64) -> Result<Vec<Finding>> {
+    let jobs = match &campaign.problem().simulator {
+        Simulator::Nothing => return Ok(Vec::new()),
+        Simulator::Table(_) => return Ok(vec![Finding::new("A batch costs no simulation: they are looked up.")]),
         Simulator::Program { queue: Some(_), .. } => 1,
         Simulator::Program { jobs, .. } => (*jobs).max(1),
     };
@@ -195,18 +206,18 @@ fn simulated(budget: &Budget, problem: &Problem, took: Option<Duration>, in_all:
         in_all as f64,
         "1",
     );
-    match budget.simulations {
-        Some(n) => {
-            let first = (n + budget.experiments) as u64;
-            let sentence = format!(
-                "A batch costs up to {}{}; the first up to {}, as its experiments are simulated, too.",
-                count(n, "simulation"),
-                time(n as u64),
-                first.min(in_all)
-            );
+    let is_begun = campaign.experiments().last_batch().is_some();
+    Ok(match (budget.simulations, is_begun) {
+        (Some(n), _) => {
+            let of_first = ((n + budget.experiments) as u64).min(in_all);
+            let first = match is_begun {
+                true => String::new(),
+                false => format!("; the first up to {of_first}, as its experiments are simulated, too"),
+            };
+            let sentence = format!("A batch costs up to {}{}{first}.", count(n, "simulation"), time(n as u64));
             vec![Finding::new(sentence).with("simulations a batch", n as f64, "1").detail(n_all)]
         }
-        None => {
+        (None, false) => {
             let sentence = format!(
                 "Before the first batch all {} designs are simulated{}; then none.",
                 grouped(in_all),
@@ -214,7 +225,11 @@ fn simulated(budget: &Budget, problem: &Problem, took: Option<Duration>, in_all:
             );
             vec![Finding::new(sentence).with("simulations", in_all as f64, "1")]
         }
-    }
+        (None, true) => vec![Finding::new(match campaign.waits_for_simulations()?.len() as u64 {
+            0 => "A batch costs no simulation any more: all designs were simulated.".to_owned(),
+            n => format!("Before the next batch {} are made{}; then none.", count_of(n), time(n)),
+        })],
+    })
 }
 
 fn count_of(n: u64) -> String {

@@ -11,7 +11,7 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use super::output::Output;
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, Stage};
 use crate::findings::next;
 use crate::folder;
 use crate::journal::JOURNAL;
@@ -29,8 +29,9 @@ pub(crate) fn check(folder: &Path) -> Result<Output> {
     findings.extend(tried.findings);
     let (costs, mut json) = budget::in_words(&*campaign, &budget, tried.took)?;
     findings.extend(costs);
-    findings.push(files(&*campaign));
-    findings.push(next(&*campaign, &campaign.stage()?));
+    let stage = campaign.stage()?;
+    findings.push(files(&*campaign, &stage));
+    findings.push(next(&*campaign, &stage));
     json["simulation"] = tried.json;
     json["seconds_per_simulation"] = tried.took.map_or(Value::Null, |took| json!(took.as_secs_f64()));
     json["can_be_built"] = json!(tried.can_be_built);
@@ -66,14 +67,15 @@ fn right(problem: &Problem) -> Finding {
     parts.fold(Finding::new(sentence), Finding::detail)
 }
 
-fn files(campaign: &dyn Campaign) -> Finding {
+fn files(campaign: &dyn Campaign, stage: &Stage) -> Finding {
     let (folder, problem) = (campaign.folder(), campaign.problem());
     let first = sheet_path(folder, problem.sheets, campaign.experiments().last_batch().unwrap_or(0) + 1, None);
     let n = campaign.experiments().n_made();
     let so_far = if n > 0 { format!(" Told so far: {}.", count(n, "experiment")) } else { String::new() };
-    Finding::new(format!(
-        "The next sheet will be {}, the journal {}.{so_far}",
-        first.display(),
-        if folder == Path::new(".") { JOURNAL.to_owned() } else { folder.join(JOURNAL).display().to_string() }
-    ))
+    let journal =
+        if folder == Path::new(".") { JOURNAL.to_owned() } else { folder.join(JOURNAL).display().to_string() };
+    Finding::new(match stage {
+        Stage::Ended { may_go_on: false, .. } => format!("The journal is {journal}.{so_far}"),
+        _ => format!("The next sheet will be {}, the journal {journal}.{so_far}", first.display()),
+    })
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
+use infuse::pooled::Assessment;
 use page::palette::{BLUE, INK, VERMILION};
 use page::{Axis, Chart, Column, Grid, Key, Mark, Page, Stroke, Table};
 
@@ -31,26 +32,30 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
                  begins the history of this one.",
                 before.batch
             ));
-            page.charts(&[best_so_far(campaign)], &[], "Every experiment of the campaign, and the best so far.");
+            let chart = best_so_far(campaign, with_shifts(campaign)?.as_ref());
+            page.charts(&[chart], &[], "Every experiment of the campaign, and the best so far.");
             return Ok(());
         }
         page.paragraph("No batch gave a result yet.");
         return Ok(());
     }
-    write_charts(page, campaign);
+    write_charts(page, campaign)?;
     write_table(page, campaign, &best_of_batches(campaign));
     Ok(())
 }
 
-pub(super) fn write_charts(page: &mut Page, campaign: &Campaign) {
-    let of_batches = best_of_batches(campaign);
-    let mut charts = vec![expected(campaign, &of_batches), bound(campaign), left(campaign), best_so_far(campaign)];
+pub(super) fn write_charts(page: &mut Page, campaign: &Campaign) -> Result<()> {
+    let (of_batches, found) = (best_of_batches(campaign), with_shifts(campaign)?);
+    let so_far = best_so_far(campaign, found.as_ref());
+    let mut charts = vec![expected(campaign, &of_batches), bound(campaign), left(campaign), so_far];
     charts.extend(spent(campaign));
     let worth = match campaign.settings.worth {
         Some(_) => " Below `worth` another batch is not worth its cost.",
         None => "",
     };
     let kept = if campaign.problem.constraints.is_empty() { "" } else { " of those that keep to their bounds" };
+    let shifted =
+        if found.is_some() { ", all without what their batches are off by, as far as that is known now" } else { "" };
     let below = match campaign.problem.costs {
         Some(_) => " Beside it: the bound against what the experiments so far have cost, plants included.",
         None => "",
@@ -59,9 +64,10 @@ pub(super) fn write_charts(page: &mut Page, campaign: &Campaign) {
         "Left: what is expected of the recommended design after each batch, with its band of 90 %, and the best that was \
          measured in the batch. Middle: no design is better than the recommended one by more than the bound, with the \
          probability of the certificate; beside it the same by the surface alone; what is next to nothing stands on the lower border.{worth} Right: the share of all designs that may still be the best. Below: \
-         every experiment of the campaign, and the best so far{kept}.{below}"
+         every experiment of the campaign, and the best so far{kept}{shifted}.{below}"
     );
     page.charts(&charts, &[], &caption);
+    Ok(())
 }
 
 /// The best mean of an experiment of each batch that kept to its bounds.
@@ -78,6 +84,11 @@ fn best_of_batches(campaign: &Campaign) -> BTreeMap<usize, f64> {
         }
     }
     best.into_iter().map(|(batch, cost)| (batch, response.of_cost(cost))).collect()
+}
+
+/// What is known now of batches that are off, if anything is.
+fn with_shifts(campaign: &Campaign) -> Result<Option<Assessment>> {
+    Ok(campaign.assessment()?.filter(|found| found.shifts.len() > 1))
 }
 
 /// Half the band of what was expected: where nothing is promised, how far off it may be is not known.
@@ -142,8 +153,8 @@ fn bound(campaign: &Campaign) -> Chart {
     chart
 }
 
-/// The best that was measured so far, over the experiments in the order of their sheets.
-fn best_so_far(campaign: &Campaign) -> Chart {
+/// The best that was measured so far, over the experiments in the order of their sheets; where batches are off, without that.
+fn best_so_far(campaign: &Campaign, found: Option<&Assessment>) -> Chart {
     let (experiments, response) = (&campaign.experiments, &campaign.problem.response);
     let batches = 1..=experiments.last_batch().unwrap_or(0);
     let order = batches.flat_map(|batch| experiments.in_run_order(batch, campaign.problem.seed));
@@ -155,6 +166,7 @@ fn best_so_far(campaign: &Campaign) -> Chart {
         let id = trial.id.number();
         let Some(reading) = experiments.readings.get(&id) else { continue };
         let Some(cost) = reading.outcome(response).and_then(|outcome| outcome.cost()) else { continue };
+        let cost = cost - found.map_or(0.0, |found| campaign.off_of(found, id, reading).by);
         measured.push((n as f64, response.of_cost(cost)));
         if campaign.may_be_best_measured(id, reading) && best.is_none_or(|best| cost < best) {
             stairs.extend(best.map(|best| (n as f64, response.of_cost(best))));
@@ -170,7 +182,8 @@ fn best_so_far(campaign: &Campaign) -> Chart {
         chart.mark(point, Mark::Ring, INK);
     }
     chart.line(&stairs, Stroke::Solid, BLUE);
-    chart.key(Key::new("measured").mark(Mark::Ring, INK));
+    let measured = if found.is_some() { "measured, less shifts" } else { "measured" };
+    chart.key(Key::new(measured).mark(Mark::Ring, INK));
     chart.key(Key::new("best so far").line(Stroke::Solid, BLUE));
     chart
 }

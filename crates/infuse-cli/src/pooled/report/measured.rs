@@ -24,8 +24,12 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
     let best = best(view)?;
     let caption = "The designs that measured best, by the mean of their runs; a run at settings between designs counts for \
                    the nearest.";
+    let caption = match has_shifts(view) {
+        true => format!("{caption} Without shift: without what their batches are off by, by which they are ordered."),
+        false => caption.to_owned(),
+    };
     let caption = match view.campaign.problem.constraints.is_empty() {
-        true => caption.to_owned(),
+        true => caption,
         false => format!("{caption} What has to stay within bounds is as measured, or in brackets as expected."),
     };
     page.table(&best_table(view, &best), &caption);
@@ -39,25 +43,33 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
     Ok(())
 }
 
-/// Best first.
-fn best(view: &View) -> Result<Vec<Standing>> {
+/// Whether results are compared without what their batches are off by.
+fn has_shifts(view: &View) -> bool {
+    view.found.shifts.len() > 1
+}
+
+/// Best first, each with the mean of its costs, without what their batches are off by.
+fn best(view: &View) -> Result<Vec<(Standing, f64)>> {
     let mut sums: BTreeMap<Cell, (f64, f64)> = BTreeMap::new();
-    for run in &view.runs {
+    for (run, shift) in view.runs.iter().zip(view.campaign.shifts_of_readings(&view.found)) {
         let (sum, n) = sums.entry(run.cell).or_insert((0.0, 0.0));
-        *sum += view.response().cost(run.value);
+        *sum += view.response().cost(run.value) - shift;
         *n += 1.0;
     }
     let mut means: Vec<(f64, Cell)> = sums.into_iter().map(|(cell, (sum, n))| (sum / n, cell)).collect();
     means.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let cells: Vec<Cell> = means.into_iter().take(MOST_BEST).map(|(_, cell)| cell).collect();
-    Ok(view.campaign.with_loop(|now, simulate| now.standings(&cells, simulate))?.unwrap_or_default())
+    means.truncate(MOST_BEST);
+    let cells: Vec<Cell> = means.iter().map(|(_, cell)| *cell).collect();
+    let best = view.campaign.with_loop(|now, simulate| now.standings(&cells, simulate))?.unwrap_or_default();
+    Ok(best.into_iter().zip(means).map(|(there, (mean, _))| (there, mean)).collect())
 }
 
-fn best_table(view: &View, best: &[Standing]) -> Table {
+fn best_table(view: &View, best: &[(Standing, f64)]) -> Table {
     let (response, unit, known_to) = (view.response(), &view.response().unit, resolution(&view.found));
     let mut columns: Vec<Column> = settings_columns(&view.campaign.problem).collect();
     columns.extend([
         Column::number("measured", unit),
+        Column::number("without shift", unit),
         Column::number("runs", ""),
         Column::number("expected", unit),
         Column::number(response.band_heading(), response.unit_of_differences()),
@@ -66,10 +78,11 @@ fn best_table(view: &View, best: &[Standing]) -> Table {
     columns.extend(constraints.iter().map(|held| Column::number(held.name(), &held.unit)));
     columns.push(Column::words("may still be the best"));
     let has_band = view.found.needed.is_none();
-    let row = |there: &Standing| {
+    let row = |(there, without_shift): &(Standing, f64)| {
         let mut cells = written(view, &there.point);
         cells.extend([
             there.measured.map_or_else(|| NOTHING.to_owned(), |cost| response.number_to(cost, known_to)),
+            response.number_to(*without_shift, known_to),
             there.n_readings.to_string(),
             response.number_to(there.mean, known_to),
             match has_band {
@@ -81,7 +94,8 @@ fn best_table(view: &View, best: &[Standing]) -> Table {
         cells.push(verdict(view, there));
         cells
     };
-    Table { columns, rows: best.iter().map(row).collect() }
+    let table = Table { columns, rows: best.iter().map(row).collect() };
+    if has_shifts(view) { table } else { table.without("without shift") }
 }
 
 /// As measured, or in brackets as expected.
@@ -190,8 +204,11 @@ fn names(view: &View, runs: &[&Run]) -> String {
 fn notes(view: &View, runs: &[&Run]) -> String {
     let mut notes: Vec<&str> = Vec::new();
     for run in runs {
-        let Origin::Own(id) = run.origin else { continue };
-        let note = view.campaign.experiments.readings.get(&id).map_or("", |reading| reading.note.as_str());
+        let note = match run.origin {
+            Origin::Own(id) => view.campaign.experiments.readings.get(&id).map(|reading| &reading.note),
+            Origin::Imported(index) => view.campaign.imported.get(index).map(|imported| &imported.note),
+        };
+        let note = note.map_or("", String::as_str);
         if !note.is_empty() && !notes.contains(&note) {
             notes.push(note);
         }

@@ -64,7 +64,7 @@ pub(super) fn pictures(campaign: &Campaign) -> Result<String> {
     let mut page = Page::new("Pictures");
     match View::of(campaign)? {
         Some(view) => {
-            history::write_charts(&mut page, campaign);
+            history::write_charts(&mut page, campaign)?;
             curves::write(&mut page, &view)?;
             fit::write(&mut page, &view);
         }

@@ -1,0 +1,166 @@
+//! A rig that drifts from batch to batch: what is said of single results, and of the noise.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use crate::pooled::{ask, batch, rig_of, tell, wobble};
+use crate::rig::Rig;
+
+/// Lowest at (4, 9), where it is 50.
+fn bowl(a: f64, b: f64) -> f64 {
+    50.0 + (a - 4.0).powi(2) + (b - 9.0).powi(2)
+}
+
+/// A campaign without a simulation, after batches that read so much more than they should.
+fn drifted(shifts: &[f64], more: &str) -> Rig {
+    let rig = rig_of(bowl, more);
+    rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+    for shift in shifts {
+        assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id) + shift)), "a batch of the campaign");
+    }
+    rig
+}
+
+/// The mean of what was told of each design, each result less the shift of its batch as `status` has it.
+fn means_without_shifts(rig: &Rig, status: &Value) -> BTreeMap<(u64, u64), f64> {
+    let shifts: Vec<f64> = status["shifts"].as_array().unwrap().iter().map(|one| one["by"].as_f64().unwrap()).collect();
+    let sheets = (1..=shifts.len()).map(|batch| rig.read(&format!("sheet-{batch}.csv"))).collect::<Vec<_>>();
+    let told = crate::rig::told(&rig.journal());
+    let mut all: BTreeMap<(u64, u64), Vec<f64>> = BTreeMap::new();
+    for (sheet, shift) in sheets.iter().zip(shifts) {
+        for cells in sheet.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>()) {
+            let settings = (cells[3].parse().unwrap(), cells[4].parse().unwrap());
+            all.entry(settings).or_default().push(told[&cells[1].parse().unwrap()] - shift);
+        }
+    }
+    all.into_iter().map(|(settings, all)| (settings, all.iter().sum::<f64>() / all.len() as f64)).collect()
+}
+
+/// The third batch reads 12 too low, and so has the lowest numbers: the design that measured best is not taken from it for that.
+#[test]
+fn the_best_measured_design_is_chosen_without_the_shifts_of_batches() {
+    let rig = drifted(&[0.0, 12.0, -12.0], "");
+    let status = rig.status();
+    let best = &status["best_measured"];
+    let at = |of: &Value| (of["a"].as_f64().unwrap() as u64, of["b"].as_f64().unwrap() as u64);
+    let means = means_without_shifts(&rig, &status);
+    let (expected, least) = means.iter().min_by(|a, b| a.1.total_cmp(b.1)).expect("a design was run");
+    assert_eq!(&at(&best["settings"]), expected, "the least mean by hand: {means:?}\n{status}");
+    assert!((best["value_without_shift"].as_f64().unwrap() - least).abs() < 1e-6, "{least} by hand: {best}");
+    let lowest = crate::rig::told(&rig.journal()).into_values().fold(f64::INFINITY, f64::min);
+    assert!(
+        lowest < 45.0 && best["value"].as_f64() > Some(lowest),
+        "what is lowest is of the batch that reads low: {best}"
+    );
+    let (a, b) = at(&best["settings"]);
+    assert!(bowl(a as f64, b as f64) < 53.0, "it is one of the best of the rig: {best}");
+    let text = rig.infuse(&["status"]).ok();
+    let said = text.lines().find(|line| line.contains("Best measured: ")).unwrap_or_else(|| panic!("{text}"));
+    assert!(said.contains(", which read") && said.contains(" without that, by which it is chosen."), "{said}");
+    // It is what is run to confirm, under its name, unless it is recommended.
+    let planned = rig.infuse(&["confirm"]).ok();
+    let is_recommended = at(&status["best"]) == (a, b);
+    let name = "what had measured best (without the shift of its batch), ";
+    assert_eq!(planned.contains(&format!("{name}a {a} mm, b {b} mm.")), !is_recommended, "{planned}");
+    rig.infuse(&["undo"]).ok();
+    std::fs::remove_file(rig.path("sheet-4.csv")).unwrap();
+    rig.infuse(&["report"]).ok();
+    let page = rig.read("report.html");
+    assert!(page.contains("without shift") && page.contains("measured, less shifts"), "the page says it, too");
+    // Where the loop leaves a drift in the surface, results are compared as they are.
+    rig.edit("[loop]", "[loop]\nblocks = false");
+    let left = rig.status();
+    assert!(left["best_measured"]["value_without_shift"].is_null(), "nothing is taken in: {left}");
+    let text = rig.infuse(&["status"]).ok();
+    assert!(!text.contains("without that, by which it is chosen"), "{text}");
+    let still = drifted(&[0.0, 0.0, 0.0], "");
+    assert!(still.status()["best_measured"]["value_without_shift"].is_null(), "nothing drifts: {}", still.status());
+}
+
+/// One run of the batch that reads low is lower still, by far: how low without the shift stands beside it.
+#[test]
+fn a_result_that_contradicts_is_said_with_the_shift_of_its_batch() {
+    let rig = drifted(&[0.0, 12.0], "");
+    assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id) - if id == 28 { 82.0 } else { 12.0 })), "a batch");
+    let text = rig.infuse(&["status"]).ok();
+    let said = text.lines().find(|line| line.contains("standard errors better")).unwrap_or_else(|| panic!("{text}"));
+    assert!(
+        said.contains(" N, in batch 3, which reads ") && said.contains(" N below what is expected of it ("),
+        "{said}"
+    );
+    assert!(said.contains(" N without that), "), "{said}");
+}
+
+/// The mean of a batch has in it what the whole batch is off by, and its band says so; the difference of two designs of it does not.
+#[test]
+fn the_level_that_a_confirming_batch_measures_is_known_no_better_than_the_batch() {
+    let rig = drifted(&[0.0, 12.0, -12.0], "");
+    let asked: Value = serde_json::from_str(&rig.infuse(&["confirm", "--json"]).ok()).unwrap();
+    tell(&rig, asked["experiments"].as_array().unwrap(), |a, b, id| Ok(bowl(a, b) + wobble(id) + 5.0));
+    let status = rig.status();
+    let designs = status["confirmed"]["designs"].as_array().unwrap().clone();
+    let shared = status["shared_error_of_a_batch"].as_f64().unwrap();
+    for design in &designs {
+        let half = design["mean_give_or_take"].as_f64().unwrap();
+        assert!(half > 1.6 * shared, "{half} is less than the error of a batch, {shared}, allows");
+    }
+    let text = rig.infuse(&["status"]).ok();
+    let said = text.lines().filter(|line| line.starts_with("  what ") && line.contains(" N, give or take ")).count();
+    assert_eq!(said, designs.len(), "each mean has its band: {text}");
+    assert!(text.contains("is what all runs of a batch share: "), "{text}");
+    if let Some(half) = designs.get(1).and_then(|design| design["give_or_take"].as_f64()) {
+        assert!(half < shared, "both are of one batch: {half}");
+        assert!(text.contains("In the bands of the means, and not in those of the differences, is "), "{text}");
+    }
+    // Left in the surface it is in the level all the same.
+    rig.edit("[loop]", "[loop]\nblocks = false");
+    let left = rig.status()["confirmed"]["designs"][0]["mean_give_or_take"].as_f64().unwrap();
+    assert!(left > shared, "{left}");
+}
+
+/// What the file says is put to the results, too; and where it forbids to take a drift in, one noise is said.
+#[test]
+fn whether_results_speak_for_a_drift_is_said_where_the_file_says_so() {
+    let rig = drifted(&[0.0], "blocks = true\n");
+    let said = |words: &str| {
+        let text = rig.infuse(&["status"]).ok();
+        assert!(text.contains(words), "{words} is not in {text}");
+    };
+    said("Whether there is one, results tell from two batches, or sources, of several designs on.");
+    for shift in [12.0, -12.0] {
+        assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id) + shift)), "a batch");
+    }
+    said("By themselves, too, the results are sure of it.");
+    let still = drifted(&[0.0, 0.0, 0.0], "blocks = true\n").infuse(&["status"]).ok();
+    assert!(still.contains("By themselves the results do not speak for it."), "{still}");
+    rig.edit("blocks = true", "blocks = false");
+    let noise = rig.status()["noise"]["standard_deviation"].as_f64().unwrap();
+    let text = rig.infuse(&["status"]).ok();
+    let of_one_run = |before: &str| -> f64 {
+        let rest = text.split(before).nth(1).unwrap_or_else(|| panic!("{before} is not in {text}"));
+        rest.split(' ').next().and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("{rest}"))
+    };
+    let beside_the_drift = of_one_run("the noise of one run is about ");
+    assert!((beside_the_drift / noise - 1.0).abs() < 1e-3, "{beside_the_drift} and {noise}");
+    assert!(text.contains(" N, with that in it. Does the rig drift"), "{text}");
+}
+
+/// Equal repeats of one batch are no proof that there is no noise, as those of other batches differ: that is the reason that is said.
+#[test]
+fn on_a_rig_that_drifts_equal_repeats_do_not_make_the_noise_none_and_it_is_said_why() {
+    let rig = rig_of(bowl, "");
+    rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+    for shift in [0.0, 12.0, -12.0, 4.0] {
+        assert!(batch(&rig, |a, b, _| Ok(bowl(a, b) + shift)), "a batch");
+    }
+    let text = rig.infuse(&["status"]).ok();
+    let said = "do not differ at all, but runs of one design in different batches do, and only where none differ the noise is taken for none.";
+    assert!(text.contains("it is not known. Within a batch the ") && text.contains(said), "{text}");
+    rig.edit("[loop]", "[loop]\nnoise = 0\nblocks = true");
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Noise of one run: 0 N (standard deviation), as `noise` in [loop] says."), "{text}");
+    assert_eq!(rig.status()["noise"]["is_contradicted"], json!(false), "{text}");
+    assert!(text.contains("By themselves, too, the results are sure of it."), "{text}");
+    assert!(ask(&rig)["experiments"].is_array(), "it goes on");
+}
