@@ -290,3 +290,20 @@ fn last_bits_of_a_search_are_written_as_what_they_are_beside_the_width() {
         assert!(expected != "0" || error <= 0.0, "{natural}");
     }
 }
+
+/// A region may hold a choice, whose column holds places.
+#[test]
+fn a_place_between_two_choices_is_named_with_its_line() {
+    let hull = Parameter::categorical("hull", ["foam", "film", "wood"]).unwrap();
+    let region = Region::new(vec![hull]).unwrap();
+    let read = |text: &str| Design::read_csv(&region, text.as_bytes());
+    assert_eq!(read("hull\n1\n2\n").unwrap().design.coordinates(), [0.0, 1.0], "places");
+    let Err(Error::File { faults }) = read("hull\n1.4\n2\n3\n") else { panic!("1.4 was read") };
+    assert_eq!(
+        faults.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        [
+            "line 2, column `hull`: 1.4, expected the place of a choice: 0 (foam), 1 (film) or 2 (wood)",
+            "line 4, column `hull`: 3.0, expected 0.0 to 2.0",
+        ]
+    );
+}

@@ -258,7 +258,7 @@ fn simulation_alone(task: &Task<'_>) -> Result<Vec<Step>> {
 }
 
 fn center(task: &Task<'_>) -> Result<Vec<Step>> {
-    let cell = task.grid.nearest(&task.region.center())?;
+    let cell = task.grid.nearest_clamped(&task.region.center())?;
     Ok((0..BATCHES).map(|_| Step::of(cell)).collect())
 }
 
