@@ -4,11 +4,13 @@ use std::io::{Read, Write};
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
 
 use crate::{Design, Error, FileFault, Levels, Parameter, Region, Space};
 
 /// A design as a file gave it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DesignFile {
     /// The runs, in the order of the file.
     pub design: Design,

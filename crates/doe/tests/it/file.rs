@@ -1,6 +1,6 @@
 //! Designs in CSV files: what is read, what is refused, and that nothing is lost on the way.
 
-use doe::{Criterion, Design, Error, FileFault, Model, Parameter, Region, RunOrder, Space};
+use doe::{Criterion, Design, DesignFile, Error, FileFault, Model, Parameter, Region, RunOrder, Space};
 use proptest::prelude::*;
 
 fn region() -> Region {
@@ -306,4 +306,11 @@ fn a_place_between_two_choices_is_named_with_its_line() {
             "line 4, column `hull`: 3.0, expected 0.0 to 2.0",
         ]
     );
+}
+
+#[test]
+fn what_a_file_gave_returns_from_json() {
+    let file = Design::read_csv(&region(), "note,pitch,mass,gain,J\na,10,2,0.5,3\n".as_bytes()).unwrap();
+    let text = serde_json::to_string(&file).unwrap();
+    assert_eq!(serde_json::from_str::<DesignFile>(&text).unwrap(), file, "{text}");
 }
