@@ -141,8 +141,7 @@ fn pooled_campaign(task: &Task<'_>, mut settings: pooled::Settings, told: Told) 
             bail!("the campaign ended before its last batch");
         };
         for cell in simulations {
-            let outcome = Outcome::Value((task.pair.simulation)(&task.grid.point(cell)?));
-            campaign.tell_simulation(cell, &outcome)?;
+            campaign.tell_simulation(cell, Ok((task.pair.simulation)(&task.grid.point(cell)?)))?;
         }
         // Where simulations are dear, some come ahead of all experiments.
         if trials.is_empty() {
