@@ -128,16 +128,16 @@ impl MassModel {
     fn validate(&self) -> Result<(), Error> {
         let positive = |name, value: f64| match value.is_finite() && value > 0.0 {
             true => Ok(()),
-            false => Err(Error::Argument { name, value, allowed: "finite and more than zero" }),
+            false => Err(Error::Argument { name, value, expected: "finite and more than zero" }),
         };
         let finite = |name, values: &[f64]| match values.iter().find(|value| !value.is_finite()) {
             None => Ok(()),
-            Some(&value) => Err(Error::Argument { name, value, allowed: "finite" }),
+            Some(&value) => Err(Error::Argument { name, value, expected: "finite" }),
         };
         let not_negative =
             |name, values: &[f64]| match values.iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
                 None => Ok(()),
-                Some(&value) => Err(Error::Argument { name, value, allowed: "finite and zero or more" }),
+                Some(&value) => Err(Error::Argument { name, value, expected: "finite and zero or more" }),
             };
         if let Some(ballast) = &self.ballast {
             positive("mass of the ballast in kg", ballast.mass_kg)?;

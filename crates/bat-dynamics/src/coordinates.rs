@@ -50,12 +50,12 @@ pub(crate) fn check_coordinates(q: &Coordinates, q_rate: &Coordinates) -> Result
     for k in 0..6 {
         for value in [q[k], q_rate[k]] {
             if !value.is_finite() {
-                return Err(Error::State { name: NAMES[k], value, unit: UNITS[k], time_s: 0.0, allowed: "finite" });
+                return Err(Error::State { name: NAMES[k], value, unit: UNITS[k], time_s: 0.0, expected: "finite" });
             }
         }
     }
     if q[3] <= 0.0 {
-        return Err(Error::State { name: NAMES[3], value: q[3], unit: "m", time_s: 0.0, allowed: "more than zero" });
+        return Err(Error::State { name: NAMES[3], value: q[3], unit: "m", time_s: 0.0, expected: "more than zero" });
     }
     check_zenith(q[0], 0.0)
 }
@@ -70,7 +70,7 @@ pub(crate) fn check_zenith(zenith_rad: f64, time_s: f64) -> Result<(), Error> {
         value: zenith_rad,
         unit: "rad",
         time_s,
-        allowed: "away from 0 and pi, where azimuth and twist coincide",
+        expected: "away from 0 and pi, where azimuth and twist coincide",
     })
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn check_zenith(zenith_rad: f64, time_s: f64) -> Result<(), Error> {
 pub fn check_state(state: &FlightState, time_s: f64) -> Result<(), Error> {
     for ((value, name), unit) in state.iter().zip(STATE_NAMES).zip(STATE_UNITS) {
         if !value.is_finite() {
-            return Err(Error::State { name, value: *value, unit, time_s, allowed: "finite" });
+            return Err(Error::State { name, value: *value, unit, time_s, expected: "finite" });
         }
     }
     let length = (state[6] + state[7] + state[8]) / 3.0;
@@ -91,7 +91,7 @@ pub fn check_state(state: &FlightState, time_s: f64) -> Result<(), Error> {
             value: length,
             unit: "m",
             time_s,
-            allowed: "more than zero",
+            expected: "more than zero",
         });
     }
     check_zenith(state[0], time_s)

@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Error {
     /// A parameter outside what is physically possible.
-    #[error("{section}.{name} = {value} {unit}: it must be {allowed}")]
+    #[error("{section}.{name} = {value} {unit}: it must be {expected}")]
     Parameter {
         /// Section of the parameter, as in a parameter file.
         section: &'static str,
@@ -18,10 +18,10 @@ pub enum Error {
         /// Its unit.
         unit: &'static str,
         /// What was allowed.
-        allowed: &'static str,
+        expected: &'static str,
     },
     /// A state in which the equations of motion are not defined.
-    #[error("{name} = {value} {unit} at t = {time_s} s: it must be {allowed}")]
+    #[error("{name} = {value} {unit} at t = {time_s} s: it must be {expected}")]
     State {
         /// Name of the coordinate or quantity.
         name: &'static str,
@@ -32,17 +32,17 @@ pub enum Error {
         /// The time at which it was found.
         time_s: f64,
         /// What was allowed.
-        allowed: &'static str,
+        expected: &'static str,
     },
     /// An argument that is not a state or a parameter.
-    #[error("{name} = {value}: it must be {allowed}")]
+    #[error("{name} = {value}: it must be {expected}")]
     Argument {
         /// Name of the argument.
         name: &'static str,
         /// The value that was given.
         value: f64,
         /// What was allowed.
-        allowed: &'static str,
+        expected: &'static str,
     },
     /// There is no equilibrium; the reason says why.
     #[error("no trim: {0}")]

@@ -38,14 +38,14 @@ impl Flow {
             return Err(Error::Argument {
                 name: "flow speed in m/s",
                 value: self.speed_m_s,
-                allowed: "finite and zero or more",
+                expected: "finite and zero or more",
             });
         }
         if !self.direction_rad.is_finite() {
             return Err(Error::Argument {
                 name: "flow direction in rad",
                 value: self.direction_rad,
-                allowed: "finite",
+                expected: "finite",
             });
         }
         Ok(())
@@ -91,13 +91,13 @@ impl FlowHistory {
     /// not finite.
     pub fn new(knots: Vec<FlowKnot>) -> Result<Self, Error> {
         let Some(first) = knots.first() else {
-            return Err(Error::Argument { name: "number of flow knots", value: 0.0, allowed: "at least one" });
+            return Err(Error::Argument { name: "number of flow knots", value: 0.0, expected: "at least one" });
         };
         if first.from_s != 0.0 {
             return Err(Error::Argument {
                 name: "time of the first flow knot in s",
                 value: first.from_s,
-                allowed: "0",
+                expected: "0",
             });
         }
         for knot in &knots {
@@ -108,7 +108,7 @@ impl FlowHistory {
                 return Err(Error::Argument {
                     name: "time of a flow knot in s",
                     value: pair[1].from_s,
-                    allowed: "finite and later than the knot before",
+                    expected: "finite and later than the knot before",
                 });
             }
         }

@@ -81,7 +81,7 @@ pub fn linearize(
     flow.validate()?;
     check_state(state, 0.0)?;
     if let Some(&value) = commands_m_s.iter().find(|command| !command.is_finite()) {
-        return Err(Error::Argument { name: "line speed command in m/s", value, allowed: "finite" });
+        return Err(Error::Argument { name: "line speed command in m/s", value, expected: "finite" });
     }
     let dual_plant = plant.cast::<Dual64>();
     let mut linear = Linearization {
@@ -131,7 +131,7 @@ fn check_derivative(derivative: &FlightState<Dual64>) -> Result<(), Error> {
             value: entry.eps,
             unit: "(in the units of its states)",
             time_s: 0.0,
-            allowed: "finite: the body must move relative to the fluid",
+            expected: "finite: the body must move relative to the fluid",
         }),
     }
 }

@@ -89,7 +89,7 @@ pub fn accelerations(
     flow.validate()?;
     check_coordinates(q, q_rate)?;
     if let Some(&value) = driven.iter().find(|acceleration| !acceleration.is_finite()) {
-        return Err(Error::Argument { name: "acceleration of a driven coordinate", value, allowed: "finite" });
+        return Err(Error::Argument { name: "acceleration of a driven coordinate", value, expected: "finite" });
     }
     let pose = Pose::of_coordinates(q, flow);
     let rates = Rates::of_array(q_rate);

@@ -323,7 +323,7 @@ impl Parameters {
             name,
             value,
             unit: "kg*m^2",
-            allowed: "at most the sum of the other two moments of inertia",
+            expected: "at most the sum of the other two moments of inertia",
         };
         if xx > yy + zz {
             return Err(impossible("inertia_xx", xx));
@@ -343,7 +343,7 @@ impl Parameters {
                 name: "inertia_xz",
                 value: xz,
                 unit: "kg*m^2",
-                allowed: "at most sqrt((I_yy + I_zz - I_xx) (I_xx + I_yy - I_zz))/2 in magnitude",
+                expected: "at most sqrt((I_yy + I_zz - I_xx) (I_xx + I_yy - I_zz))/2 in magnitude",
             });
         }
         Ok(())
@@ -354,16 +354,17 @@ impl Parameters {
     fn check_products(&self) -> Result<(), Error> {
         let [xx, yy, zz] = [self.body.inertia_xx_kg_m2, self.body.inertia_yy_kg_m2, self.body.inertia_zz_kg_m2];
         let (xy, yz) = (self.asymmetry.inertia_xy_kg_m2, self.asymmetry.inertia_yz_kg_m2);
-        let refused =
-            |name, value, allowed| Err(Error::Parameter { section: "asymmetry", name, value, unit: "kg*m^2", allowed });
+        let refused = |name, value, expected| {
+            Err(Error::Parameter { section: "asymmetry", name, value, unit: "kg*m^2", expected })
+        };
         let (x, y, z) = (yy + zz - xx, xx + zz - yy, xx + yy - zz);
         if 4.0 * xy * xy > x * y {
-            let allowed = "at most sqrt((I_yy + I_zz - I_xx) (I_xx + I_zz - I_yy))/2 in magnitude";
-            return refused("inertia_xy", xy, allowed);
+            let expected = "at most sqrt((I_yy + I_zz - I_xx) (I_xx + I_zz - I_yy))/2 in magnitude";
+            return refused("inertia_xy", xy, expected);
         }
         if 4.0 * yz * yz > y * z {
-            let allowed = "at most sqrt((I_xx + I_zz - I_yy) (I_xx + I_yy - I_zz))/2 in magnitude";
-            return refused("inertia_yz", yz, allowed);
+            let expected = "at most sqrt((I_xx + I_zz - I_yy) (I_xx + I_yy - I_zz))/2 in magnitude";
+            return refused("inertia_yz", yz, expected);
         }
         let (xy, yz, xz) = (2.0 * xy, 2.0 * yz, 2.0 * self.body.inertia_xz_kg_m2);
         let determinant = x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz);
@@ -377,10 +378,10 @@ impl Parameters {
 }
 
 impl Field {
-    /// The error that says that `value` is not `allowed` here.
+    /// The error that says that `value` is not `expected` here.
     #[must_use]
-    pub fn error(&self, value: f64, allowed: &'static str) -> Error {
-        Error::Parameter { section: self.section, name: self.name, value, unit: self.unit, allowed }
+    pub fn error(&self, value: f64, expected: &'static str) -> Error {
+        Error::Parameter { section: self.section, name: self.name, value, unit: self.unit, expected }
     }
 
     /// The field `section.name`, optional or not, if there is one.

@@ -57,7 +57,7 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
         return Err(Error::Argument {
             name: "pitch set point in rad",
             value: request.pitch_rad,
-            allowed: "finite and within pi/2",
+            expected: "finite and within pi/2",
         });
     }
     let (name, value) = match request.height {
@@ -65,7 +65,7 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
         TrimHeight::TetherLength(value) => ("tether length in m", value),
     };
     if !(value.is_finite() && value > 0.0) {
-        return Err(Error::Argument { name, value, allowed: "finite and more than zero" });
+        return Err(Error::Argument { name, value, expected: "finite and more than zero" });
     }
     if let TrimHeight::Altitude(altitude_m) = request.height {
         let joint_m = joint_altitude(plant, request.pitch_rad, altitude_m);
@@ -96,7 +96,7 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
 pub fn trim_with_lines(plant: &Plant, lines_m: [f64; 3], flow: &Flow) -> Result<Trim, Error> {
     flow.validate()?;
     if let Some(&value) = lines_m.iter().find(|line| !(line.is_finite() && **line > 0.0)) {
-        return Err(Error::Argument { name: "length of a line in m", value, allowed: "finite and more than zero" });
+        return Err(Error::Argument { name: "length of a line in m", value, expected: "finite and more than zero" });
     }
     if plant.lopsided {
         return trim_lopsided_with_lines(plant, lines_m, flow);
@@ -106,7 +106,7 @@ pub fn trim_with_lines(plant: &Plant, lines_m: [f64; 3], flow: &Flow) -> Result<
         return Err(Error::Argument {
             name: "starboard line less port line in m",
             value: lines_m[1] - lines_m[2],
-            allowed: "zero: an equilibrium without roll",
+            expected: "zero: an equilibrium without roll",
         });
     }
     let place = |zenith| [zenith, flow.direction_rad, 0.0, length, induced_pitch, 0.0];

@@ -110,6 +110,16 @@ pub enum Error {
         /// Unit of the bounds.
         unit: String,
     },
+    /// A number within the bounds of a choice that is the place of none.
+    #[error("parameter `{parameter}`: the value is {value:?}, expected the place of a choice: {expected}")]
+    NotAChoice {
+        /// Name of the parameter.
+        parameter: String,
+        /// The value given.
+        value: f64,
+        /// The places there are, with the names of their choices.
+        expected: String,
+    },
     /// A region without parameters.
     #[error("a region has no parameters, expected at least one")]
     NoParameters,

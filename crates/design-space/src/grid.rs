@@ -119,7 +119,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongDimension`], [`Error::OutOfBounds`], [`Error::NotANumber`]: nothing is moved into the bounds.
+    /// Those of [`Region::check`]: nothing is moved into the bounds, or from between two choices to one of them.
     pub fn nearest(&self, point: &[f64]) -> Result<Cell, Error> {
         self.region.check(point)?;
         let pairs = self.region.parameters().iter().zip(point);
@@ -127,7 +127,8 @@ impl Grid {
         Ok(Cell::new(self.combinations.index(&pairs.map(level).collect::<Result<Vec<_>, _>>()?)))
     }
 
-    /// The cell nearest to a point that may lie outside of the region: that of the nearest point within.
+    /// The cell nearest to a point that may lie outside of the region, or between choices: that of the nearest point within, see
+    /// [`Parameter::clamp`].
     ///
     /// # Errors
     ///

@@ -197,7 +197,7 @@ impl Parameter {
         self.upper - self.lower
     }
 
-    /// The value halfway between the bounds, in the parameter's unit.
+    /// The value halfway between the bounds, in the parameter's unit; of a choice that may be no choice.
     #[must_use]
     pub fn center(&self) -> f64 {
         self.natural(0.0)
@@ -218,32 +218,52 @@ impl Parameter {
         if coded.abs() <= 1.0 { value.clamp(self.lower, self.upper) } else { value }
     }
 
-    /// Whether a natural coordinate lies within the bounds, bounds included; never for NaN.
+    /// Whether a natural coordinate lies within the bounds, bounds included; never for NaN. Of a choice only the places of its
+    /// choices do, as [`choice`](Self::choice) reads them: nothing lies between two of them.
     #[must_use]
     pub fn contains(&self, natural: f64) -> bool {
+        self.is_within_bounds(natural) && (self.choices.is_none() || self.choice(natural).is_some())
+    }
+
+    fn is_within_bounds(&self, natural: f64) -> bool {
         self.lower <= natural && natural <= self.upper
     }
 
-    /// The natural coordinate itself if it lies within the bounds.
+    /// The natural coordinate itself if it lies within the bounds, and is the place of a choice where it has to be.
     ///
     /// # Errors
     ///
-    /// [`Error::NotANumber`], [`Error::OutOfBounds`].
+    /// [`Error::NotANumber`], [`Error::OutOfBounds`], [`Error::NotAChoice`].
     pub fn check(&self, natural: f64) -> Result<f64, Error> {
         if self.contains(natural) {
             return Ok(natural);
         }
         let (parameter, unit) = (self.name.clone(), self.unit.clone());
         let (lower, upper) = (self.lower, self.upper);
-        Err(if natural.is_nan() {
-            Error::NotANumber { parameter, lower, upper, unit }
-        } else {
-            Error::OutOfBounds { parameter, value: natural, lower, upper, unit }
+        Err(match self.places() {
+            _ if natural.is_nan() => Error::NotANumber { parameter, lower, upper, unit },
+            Some(expected) if self.is_within_bounds(natural) => {
+                Error::NotAChoice { parameter, value: natural, expected }
+            }
+            _ => Error::OutOfBounds { parameter, value: natural, lower, upper, unit },
         })
     }
 
-    /// The nearest value within the bounds. Nothing else in this crate moves a value into the
-    /// bounds: who wants that asks for it here.
+    /// The places of the choices with their names, for a message; none for a number.
+    fn places(&self) -> Option<String> {
+        let choices = self.choices()?;
+        let named = |place: usize| format!("{place} ({})", choices[place]);
+        let last = choices.len() - 1;
+        let shown: Vec<String> = (0..last.min(Self::MOST_NAMED)).map(named).collect();
+        let more = if last > Self::MOST_NAMED { ", and so on," } else { "" };
+        Some(format!("{}{more} or {}", shown.join(", "), named(last)))
+    }
+
+    /// How many choices a message names before the last one.
+    const MOST_NAMED: usize = 8;
+
+    /// The nearest value that [`check`](Self::check) takes: within the bounds, and of a choice the nearest place, of two
+    /// equally near the lower. Nothing else in this crate moves a value: who wants that asks for it here.
     ///
     /// # Errors
     ///
@@ -252,7 +272,9 @@ impl Parameter {
         if natural.is_nan() {
             return self.check(natural);
         }
-        Ok(natural.clamp(self.lower, self.upper))
+        let within = natural.clamp(self.lower, self.upper);
+        // Half of one is taken away exactly from what is at most 999, and 0 is added so that none is left of its sign.
+        Ok(if self.contains(within) { within } else { (within - 0.5).ceil() + 0.0 })
     }
 
     /// Value of the level with this index, in the parameter's unit: index 0 is the lower bound.
@@ -275,8 +297,8 @@ impl Parameter {
     ///
     /// # Errors
     ///
-    /// [`Error::Continuous`], and [`Error::OutOfBounds`] or [`Error::NotANumber`]: a value outside
-    /// the bounds is not moved silently, see [`clamp`](Self::clamp).
+    /// [`Error::Continuous`], and those of [`check`](Self::check): a value outside the bounds, or between two choices, is not
+    /// moved silently, see [`clamp`](Self::clamp).
     pub fn nearest_level(&self, natural: f64) -> Result<u32, Error> {
         let last = self.last_level()?;
         self.check(natural)?;
@@ -302,7 +324,7 @@ impl Parameter {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfBounds`], [`Error::NotANumber`].
+    /// Those of [`check`](Self::check).
     pub fn snap(&self, natural: f64) -> Result<f64, Error> {
         match self.levels {
             Levels::Continuous => self.check(natural),

@@ -61,7 +61,7 @@ impl Region {
         self.parameters.iter().position(|parameter| parameter.name() == name)
     }
 
-    /// The point halfway between all bounds, natural.
+    /// The point halfway between all bounds, natural; of a choice that may be no choice, see [`clamp`](Self::clamp).
     #[must_use]
     pub fn center(&self) -> Vec<f64> {
         self.parameters.iter().map(Parameter::center).collect()
@@ -85,7 +85,7 @@ impl Region {
         self.map(coded, |parameter, value| Ok(parameter.natural(value)))
     }
 
-    /// Whether every natural coordinate lies within its bounds.
+    /// Whether every natural coordinate lies within its bounds, and none between two choices.
     ///
     /// # Errors
     ///
@@ -100,13 +100,12 @@ impl Region {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongDimension`]; [`Error::OutOfBounds`] or [`Error::NotANumber`] for the first
-    /// coordinate at fault.
+    /// [`Error::WrongDimension`]; that of [`Parameter::check`] for the first coordinate at fault.
     pub fn check(&self, natural: &[f64]) -> Result<(), Error> {
         self.map(natural, Parameter::check).map(|_| ())
     }
 
-    /// The nearest natural point within the region, coordinate by coordinate.
+    /// The nearest natural point within the region, coordinate by coordinate; see [`Parameter::clamp`].
     ///
     /// # Errors
     ///
@@ -119,7 +118,7 @@ impl Region {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongDimension`], [`Error::OutOfBounds`], [`Error::NotANumber`].
+    /// [`Error::WrongDimension`], and those of [`Parameter::check`].
     pub fn snap(&self, natural: &[f64]) -> Result<Vec<f64>, Error> {
         self.map(natural, Parameter::snap)
     }

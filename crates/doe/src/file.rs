@@ -4,11 +4,13 @@ use std::io::{Read, Write};
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
 
 use crate::{Design, Error, FileFault, Levels, Parameter, Region, Space};
 
 /// A design as a file gave it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DesignFile {
     /// The runs, in the order of the file.
     pub design: Design,
@@ -334,14 +336,16 @@ fn field(parameter: &Parameter, text: &str, line: u64) -> Result<f64, FileFault>
     match text.parse::<f64>() {
         Ok(value) if !value.is_finite() => Err(FileFault::NotANumber { line, name, text: text.to_owned() }),
         Err(_) => Err(FileFault::NotANumber { line, name, text: text.to_owned() }),
-        Ok(value) if parameter.contains(value) => Ok(value),
-        Ok(value) => Err(FileFault::OutOfBounds {
-            line,
-            name,
-            value,
-            lower: parameter.lower(),
-            upper: parameter.upper(),
-            unit: parameter.unit().to_owned(),
+        Ok(value) => parameter.check(value).map_err(|error| match error {
+            design_space::Error::NotAChoice { expected, .. } => FileFault::NotAChoice { line, name, value, expected },
+            _ => FileFault::OutOfBounds {
+                line,
+                name,
+                value,
+                lower: parameter.lower(),
+                upper: parameter.upper(),
+                unit: parameter.unit().to_owned(),
+            },
         }),
     }
 }

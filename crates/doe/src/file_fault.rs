@@ -65,6 +65,17 @@ pub enum FileFault {
         /// Unit of the bounds.
         unit: String,
     },
+    /// A number within the bounds of a choice that is the place of none.
+    NotAChoice {
+        /// Line of the file.
+        line: u64,
+        /// The parameter.
+        name: String,
+        /// The number.
+        value: f64,
+        /// The places there are, with the names of their choices.
+        expected: String,
+    },
     /// Nothing in the file but empty lines and comments.
     Empty,
     /// Columns separated by something else than commas.
@@ -117,6 +128,9 @@ impl fmt::Display for FileFault {
             Self::OutOfBounds { line, name, value, lower, upper, unit } => {
                 write!(formatter, "line {line}, column `{name}`: {value:?}, expected {lower:?} to {upper:?}")?;
                 if unit.is_empty() { Ok(()) } else { write!(formatter, " {unit}") }
+            }
+            Self::NotAChoice { line, name, value, expected } => {
+                write!(formatter, "line {line}, column `{name}`: {value:?}, expected the place of a choice: {expected}")
             }
             Self::Empty => write!(formatter, "the file is empty, expected a header with the names of the parameters"),
             Self::Separator { found } => {

@@ -16,6 +16,7 @@ mod maximum;
 mod measure;
 mod nested;
 mod polynomial;
+mod power;
 mod products;
 mod same;
 mod search;

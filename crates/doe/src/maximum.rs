@@ -1,6 +1,7 @@
 //! The largest prediction variance over a space.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::ascent::{best_level, climb};
 use crate::lattice::{Lattice, level_values};
@@ -12,7 +13,7 @@ use crate::{Error, Over, PredictionVariance, Space};
 ///
 /// Over a continuous box v is a polynomial: every local maximum of a lattice is improved coordinate by coordinate,
 /// each time to the maximum uphill of the polynomial of one variable, until nothing improves.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Maximum {
     /// v there, for unit variance of a run.
     pub value: f64,
@@ -25,7 +26,8 @@ pub struct Maximum {
 }
 
 /// How a maximum was found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Method {
     /// Every point was looked at.
     Scan {

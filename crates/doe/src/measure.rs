@@ -6,6 +6,7 @@
 
 use rand::RngExt;
 
+use crate::power::power;
 use crate::shape::{Axis, BoxShape};
 
 /// Groups of equal cover along every axis.
@@ -34,10 +35,10 @@ impl Values {
     fn moment(&self, exponent: u32) -> f64 {
         match self {
             Self::Intervals(intervals) => {
-                let power = exponent as i32 + 1;
-                intervals.iter().map(|[a, b]| (b.powi(power) - a.powi(power)) / f64::from(power)).sum()
+                let next = exponent + 1;
+                intervals.iter().map(|[a, b]| (power(*b, next) - power(*a, next)) / f64::from(next)).sum()
             }
-            Self::Levels(levels) => levels.iter().map(|level| level.powi(exponent as i32)).sum(),
+            Self::Levels(levels) => levels.iter().map(|level| power(*level, exponent)).sum(),
         }
     }
 }

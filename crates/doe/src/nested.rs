@@ -9,6 +9,7 @@ use std::collections::HashMap;
 
 use multiversion::multiversion;
 
+use crate::power::power;
 use crate::products::Products;
 
 /// Points times monomials beyond which a grid is computed axis by axis wherever something else is quicker below: stored they
@@ -53,7 +54,7 @@ impl Nested {
             };
             let targets = monomials.iter().map(target).collect();
             monomials = left;
-            let powers = levels.iter().flat_map(|&x| (0..n_powers).map(move |e| x.powi(e as i32))).collect();
+            let powers = levels.iter().flat_map(|&x| (0..n_powers as u32).map(move |e| power(x, e))).collect();
             Step { n_left: monomials.len(), targets, powers }
         });
         let steps = steps.collect();

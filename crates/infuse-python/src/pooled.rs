@@ -169,13 +169,9 @@ impl PooledLoop {
         for (cell, values) in cells.into_iter().zip(values.chunks(per_design.max(1))) {
             let constrained: Vec<Option<f64>> =
                 values[1..].iter().map(|value| value.is_finite().then_some(*value)).collect();
-            if values[0].is_finite() {
-                let responses = Responses { objective: values[0], constrained };
-                self.campaign.tell_simulated(cell, responses).map_err(refusal)?;
-            } else {
-                let failed = Outcome::Failed { reason: format!("it gave {}", values[0]) };
-                self.campaign.tell_simulation(cell, &failed).map_err(refusal)?;
-            }
+            // A cost that is no number counts as a failure.
+            let said = Ok(Responses { cost: values[0], constrained });
+            self.campaign.tell_simulation(cell, said).map_err(refusal)?;
         }
         Ok(())
     }
@@ -193,9 +189,7 @@ impl PooledLoop {
         constrained: Vec<Option<f64>>,
     ) -> PyResult<()> {
         match outcome(value, failed) {
-            Outcome::Value(objective) => {
-                self.campaign.add_earlier(&point, Responses { objective, constrained }, source)
-            }
+            Outcome::Value(cost) => self.campaign.add_earlier(&point, Responses { cost, constrained }, source),
             Outcome::Failed { reason } => self.campaign.add_earlier_failure(&point, reason, source),
         }
         .map_err(refusal)

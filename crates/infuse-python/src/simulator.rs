@@ -51,7 +51,7 @@ pub(crate) fn result(response: f64) -> Result<f64, String> {
 /// The response, and behind it those on which there are constraints.
 fn answer(values: &[f64]) -> Result<Responses, String> {
     let constrained = values[1..].iter().map(|value| value.is_finite().then_some(*value)).collect();
-    result(values[0]).map(|objective| Responses { objective, constrained })
+    result(values[0]).map(|cost| Responses { cost, constrained })
 }
 
 impl Simulate for RemoteSimulator<'_> {

@@ -26,7 +26,7 @@ fn main() -> Result<(), Error> {
             strategy.to_string(),
             found.point[0],
             found.point[1],
-            found.value,
+            found.cost,
             found.n_simulations
         );
     }

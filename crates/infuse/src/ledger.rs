@@ -24,7 +24,7 @@ pub struct Record<T, A> {
 }
 
 impl<T, A> Record<T, A> {
-    /// The response that was measured; none while the trial is outstanding or if it failed.
+    /// The cost that was measured; none while the trial is outstanding or if it failed.
     #[must_use]
     pub fn cost(&self) -> Option<f64> {
         self.outcome.as_ref().and_then(Outcome::cost)

@@ -2,6 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::checks::check_not_negative;
+
 /// Scatter of experiments at equal settings about their mean, pooled over the campaign.
 ///
 /// ```text
@@ -9,13 +14,36 @@ use std::collections::BTreeMap;
 /// ```
 ///
 /// It knows nothing of the model, so it is the noise alone: what a response surface misses by more is lack of fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedPureError")]
 #[non_exhaustive]
 pub struct PureError {
     /// s², in the squared unit of the response.
     pub variance: f64,
     /// Σ (n − 1), at least 1.
     pub degrees_of_freedom: usize,
+}
+
+/// Pure error as it stands in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "PureError")]
+struct UncheckedPureError {
+    variance: f64,
+    degrees_of_freedom: usize,
+}
+
+impl TryFrom<UncheckedPureError> for PureError {
+    type Error = Error;
+
+    fn try_from(read: UncheckedPureError) -> Result<Self, Error> {
+        let UncheckedPureError { variance, degrees_of_freedom } = read;
+        check_not_negative("variance", variance)?;
+        if degrees_of_freedom == 0 {
+            let (name, expected) = ("degrees_of_freedom", "at least 1");
+            return Err(Error::SettingCount { name, value: degrees_of_freedom, expected });
+        }
+        Ok(Self { variance, degrees_of_freedom })
+    }
 }
 
 impl PureError {

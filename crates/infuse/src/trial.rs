@@ -33,7 +33,7 @@ impl fmt::Display for TrialId {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The response that was measured, finite: what is to be made small.
+    /// The cost that was measured, finite: what is to be made small, the response or its negative.
     Value(f64),
     /// None, and it shall not be tried again.
     Failed {
@@ -43,7 +43,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// The response, if there is one.
+    /// The cost, if there is one.
     #[must_use]
     pub fn cost(&self) -> Option<f64> {
         match self {

@@ -79,9 +79,9 @@ impl Car {
 
 impl Car {
     fn validate(&self) -> Result<(), Error> {
-        let check = |name, value: f64, is_right: bool, allowed| match is_right {
+        let check = |name, value: f64, is_right: bool, expected| match is_right {
             true => Ok(()),
-            false => Err(Error::Car { name, value, allowed }),
+            false => Err(Error::Car { name, value, expected }),
         };
         let is_finite_and_not_negative = |value: f64| value.is_finite() && value >= 0.0;
         if let Tire::Stiffening(share) = self.tire {
@@ -363,9 +363,9 @@ const MOST_STEPS: f64 = 1e8;
 impl Drive {
     fn validate(&self) -> Result<(), Error> {
         let Self { step_s, warm_up_s, measured_s } = *self;
-        let check = |name, value: f64, is_right: bool, allowed| match is_right && value.is_finite() {
+        let check = |name, value: f64, is_right: bool, expected| match is_right && value.is_finite() {
             true => Ok(()),
-            false => Err(Error::Drive { name, value, allowed }),
+            false => Err(Error::Drive { name, value, expected }),
         };
         check("step_s", step_s, step_s > 0.0, "above 0 s")?;
         check("warm_up_s", warm_up_s, warm_up_s >= 0.0, "0 s or more")?;
@@ -386,24 +386,24 @@ pub enum Error {
         time_s: f64,
     },
     /// A number that makes no car.
-    #[error("{name} = {value}: it must be {allowed}")]
+    #[error("{name} = {value}: it must be {expected}")]
     Car {
         /// The field of [`Car`].
         name: &'static str,
         /// What it was.
         value: f64,
         /// What it may be.
-        allowed: &'static str,
+        expected: &'static str,
     },
     /// A time that makes no drive.
-    #[error("{name} = {value}: it must be {allowed}")]
+    #[error("{name} = {value}: it must be {expected}")]
     Drive {
         /// The field of [`Drive`].
         name: &'static str,
         /// What it was.
         value: f64,
         /// What it may be.
-        allowed: &'static str,
+        expected: &'static str,
     },
 }
 

@@ -43,12 +43,14 @@ impl Dimension {
     /// A base dimension.
     ///
     /// # Errors
-    /// [`Error::BadName`] if the symbol is not a letter or `_` followed by letters, digits and `_`.
+    /// [`Error::BadName`] unless the symbol is a letter or one of `_ % ‰ ° $ € £ ' "`, followed by letters, digits and `_`; `%` and
+    /// `‰` stand alone.
     pub fn base(symbol: &str) -> Result<Self, Error> {
         if !crate::parse::is_plain(symbol) {
             return Err(Error::BadName {
                 name: symbol.into(),
-                allowed: "a base dimension is a letter followed by letters, digits and `_`",
+                expected: "a base dimension is a letter or one of _ % ‰ ° $ € £ ' \" followed by letters, digits and `_`, where % and ‰ \
+                           stand alone",
             });
         }
         Ok(Self { exponents: BTreeMap::from([(symbol.to_owned(), BigRational::one())]) })

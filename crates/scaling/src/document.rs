@@ -22,7 +22,8 @@ pub struct DocumentOptions<'a> {
 }
 
 /// A converted document.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Conversion {
     /// The document with its comments, order and layout.
     pub text: String,
@@ -34,6 +35,7 @@ pub struct Conversion {
 
 /// One converted number.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Converted {
     /// The table of the number, as a dotted path, with positions of lists in brackets.
     pub path: String,

@@ -65,12 +65,12 @@ pub enum Error {
         value: String,
     },
     /// A name that could not be read back.
-    #[error("`{name}` cannot be a name: {allowed}")]
+    #[error("`{name}` cannot be a name: {expected}")]
     BadName {
         /// The name.
         name: String,
         /// What a name may be.
-        allowed: &'static str,
+        expected: &'static str,
     },
     /// A unit symbol that already means something.
     #[error("the unit `{symbol}` exists already: it means {meaning}")]
@@ -167,6 +167,16 @@ pub enum Error {
         found: Vec<String>,
         /// The groups of the system, whose inverses would do as well.
         expected: Vec<String>,
+    },
+    /// The row of a group that is read from a file, with another number of values than there are set-ups.
+    #[error("{group} has {found} values, expected {expected}, one per set-up")]
+    ValueCount {
+        /// The group.
+        group: String,
+        /// How many values it has.
+        found: usize,
+        /// How many set-ups there are.
+        expected: usize,
     },
     /// A value is missing in a set-up.
     #[error("set-up \"{set_up}\" gives no value for {variable}, which {group} needs")]

@@ -198,7 +198,7 @@ impl Groups {
 
 /// Groups as they stand in a file.
 #[derive(serde::Deserialize)]
-#[serde(rename = "Groups")]
+#[serde(rename = "Groups", deny_unknown_fields)]
 struct UncheckedGroups {
     system: System,
     repeating: Vec<String>,

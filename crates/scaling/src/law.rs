@@ -16,7 +16,10 @@ use crate::span::Span;
 use crate::system::{System, Variable};
 
 /// What happens to every variable of a system, and to every dimension that its ratios determine.
-#[derive(Debug, Clone)]
+///
+/// In a file it is the system and the given ratios, from which it follows.
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "Given", into = "Given")]
 pub struct ScalingLaw {
     system: System,
     /// Independent ratios, in the order given; ratios that follow from them have been checked and left out.
@@ -26,6 +29,7 @@ pub struct ScalingLaw {
 
 /// How one quantity changes.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Rule {
     /// The variable, or the dimension in writing.
     pub quantity: String,
@@ -88,6 +92,28 @@ impl System {
                 Err(Error::UnknownVariable { name: name.to_owned(), near: near_misses(name, known) })
             }
         }
+    }
+}
+
+/// A law as it stands in a file.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "ScalingLaw", deny_unknown_fields)]
+struct Given {
+    system: System,
+    ratios: Vec<(String, Factor)>,
+}
+
+impl TryFrom<Given> for ScalingLaw {
+    type Error = Error;
+
+    fn try_from(Given { system, ratios }: Given) -> Result<Self, Error> {
+        system.law_from_factors(&ratios)
+    }
+}
+
+impl From<ScalingLaw> for Given {
+    fn from(ScalingLaw { system, given, .. }: ScalingLaw) -> Self {
+        Self { system, ratios: given }
     }
 }
 

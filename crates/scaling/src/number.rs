@@ -241,14 +241,39 @@ pub(crate) fn significant(value: f64) -> String {
     if magnitude != 0.0 && !(1e-4..1e6).contains(&magnitude) {
         return format!("{value:.4e}");
     }
-    let before = if magnitude >= 1.0 { magnitude.log10().floor() as usize + 1 } else { 1 };
-    let zeros = if magnitude > 0.0 && magnitude < 1.0 { (-magnitude.log10()).floor() as usize + 1 } else { 0 };
-    format!("{value:.*}", (5 + zeros).saturating_sub(before))
+    // The place of the first digit once it is rounded to five, as the formatter has it: 0.1 and 0.099999999 have the same.
+    let rounded = format!("{magnitude:.4e}");
+    let first = rounded.split_once('e').and_then(|(_, place)| place.parse::<i32>().ok()).unwrap_or(0);
+    format!("{value:.*}", usize::try_from(4 - first).unwrap_or(0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Also at a power of ten, and where rounding makes one.
+    #[test]
+    fn five_digits_are_shown_wherever_the_point_is() {
+        let shown = [
+            (0.1, "0.10000"),
+            (0.01, "0.010000"),
+            (-0.001225, "-0.0012250"),
+            (0.099_999_99, "0.10000"),
+            (9.999_996, "10.000"),
+            (1.0, "1.0000"),
+            (1000.0, "1000.0"),
+            (31_406.25, "31406"),
+            (999_999.0, "999999"),
+            (0.0, "0.0000"),
+            (1e-5, "1.0000e-5"),
+            (-1.5e6, "-1.5000e6"),
+            (f64::NAN, "NaN"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (value, text) in shown {
+            assert_eq!(significant(value), text, "{value:?}");
+        }
+    }
 
     #[test]
     fn numbers_below_zero_round_as_those_above() {

@@ -9,12 +9,14 @@ use crate::units::Units;
 
 /// A name and values in coherent units (SI: m, kg, s, …).
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SetUp {
     name: String,
     values: BTreeMap<String, Value>,
 }
 
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Value {
     value: f64,
     /// Half a unit of the last printed digit, 0 for a value taken as exact.
@@ -119,9 +121,8 @@ fn read_printed(units: &Units, printed: &str, unit: &str) -> Result<Value, Error
     }
     let (mantissa, power) = printed.trim().split_once(['e', 'E']).unwrap_or((printed.trim(), "0"));
     let decimals = mantissa.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-    let half: f64 = format!("0.5e{}", power.parse::<i64>().map_err(|_| not_a_number())? - decimals as i64)
-        .parse()
-        .map_err(|_| not_a_number())?;
+    let power = power.parse::<i64>().ok().and_then(|power| power.checked_sub(i64::try_from(decimals).ok()?));
+    let half: f64 = format!("0.5e{}", power.ok_or_else(not_a_number)?).parse().map_err(|_| not_a_number())?;
     let read = units.parse(unit)?;
     Ok(Value {
         value: read.factor.apply(value),

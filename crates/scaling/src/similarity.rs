@@ -13,7 +13,10 @@ use crate::number::significant;
 use crate::set_up::SetUp;
 
 /// Every group at every set-up.
+///
+/// In a file an infinite [spread](Row::spread) is what its format makes of it; JSON has no such number and does not return it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "UncheckedSimilarity")]
 pub struct Similarity {
     tolerance: f64,
     set_ups: Vec<SetUp>,
@@ -21,8 +24,33 @@ pub struct Similarity {
     unchecked: Vec<Unchecked>,
 }
 
+/// A comparison as it stands in a file.
+#[derive(serde::Deserialize)]
+#[serde(rename = "Similarity", deny_unknown_fields)]
+struct UncheckedSimilarity {
+    tolerance: f64,
+    set_ups: Vec<SetUp>,
+    rows: Vec<Row>,
+    unchecked: Vec<Unchecked>,
+}
+
+impl TryFrom<UncheckedSimilarity> for Similarity {
+    type Error = Error;
+
+    fn try_from(read: UncheckedSimilarity) -> Result<Self, Error> {
+        let UncheckedSimilarity { tolerance, set_ups, rows, unchecked } = read;
+        check_set_ups(&set_ups, tolerance)?;
+        let expected = set_ups.len();
+        match rows.iter().find(|row| row.values.len() != expected) {
+            Some(row) => Err(Error::ValueCount { group: row.group.to_string(), found: row.values.len(), expected }),
+            None => Ok(Self { tolerance, set_ups, rows, unchecked }),
+        }
+    }
+}
+
 /// One group.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Row {
     /// The group.
     pub group: Group,
@@ -52,6 +80,7 @@ pub enum Verdict {
 
 /// A group that could not be compared.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Unchecked {
     /// The group.
     pub group: Group,
@@ -61,6 +90,7 @@ pub struct Unchecked {
 
 /// The values of one variable that would make all set-ups match a reference.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Remedies {
     /// The variable to adjust.
     pub variable: String,
@@ -74,6 +104,7 @@ pub struct Remedies {
 
 /// The value of the adjusted variable at one set-up.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Remedy {
     /// Name of the set-up.
     pub set_up: String,
@@ -96,18 +127,8 @@ impl Similarity {
     /// [`Error::UnknownVariable`] for a value that no variable has, [`Error::WrongDimension`], and what
     /// [`Group::value`] says, a missing value excepted.
     pub fn check(groups: &Groups, set_ups: &[SetUp], tolerance: f64) -> Result<Self, Error> {
-        if set_ups.len() < 2 {
-            return Err(Error::TooFewSetUps { count: set_ups.len() });
-        }
-        if !tolerance.is_finite() || tolerance < 0.0 {
-            return Err(Error::BadTolerance { tolerance });
-        }
-        for (position, set_up) in set_ups.iter().enumerate() {
-            if set_ups[..position].iter().any(|other| other.name() == set_up.name()) {
-                return Err(Error::Duplicate { what: "set-up", name: set_up.name().to_owned() });
-            }
-            check_dimensions(groups, set_up)?;
-        }
+        check_set_ups(set_ups, tolerance)?;
+        set_ups.iter().try_for_each(|set_up| check_dimensions(groups, set_up))?;
         let mut similarity = Self { tolerance, set_ups: set_ups.to_vec(), rows: Vec::new(), unchecked: Vec::new() };
         for group in groups {
             let absent = |name: &str| set_ups.iter().any(|set_up| set_up.value(name).is_none());
@@ -232,6 +253,22 @@ impl Similarity {
     fn rounding(&self, row: &Row, index: usize) -> f64 {
         rounding(&row.group, &self.set_ups[index])
     }
+}
+
+/// That these can be compared, within this tolerance.
+fn check_set_ups(set_ups: &[SetUp], tolerance: f64) -> Result<(), Error> {
+    if set_ups.len() < 2 {
+        return Err(Error::TooFewSetUps { count: set_ups.len() });
+    }
+    if !tolerance.is_finite() || tolerance < 0.0 {
+        return Err(Error::BadTolerance { tolerance });
+    }
+    for (position, set_up) in set_ups.iter().enumerate() {
+        if set_ups[..position].iter().any(|other| other.name() == set_up.name()) {
+            return Err(Error::Duplicate { what: "set-up", name: set_up.name().to_owned() });
+        }
+    }
+    Ok(())
 }
 
 fn check_dimensions(groups: &Groups, set_up: &SetUp) -> Result<(), Error> {

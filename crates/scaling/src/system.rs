@@ -11,6 +11,7 @@ use crate::units::Units;
 
 /// A named quantity and what it measures.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Variable {
     /// The name, such as `L_t` or `k_p^z`.
     pub name: String,
@@ -131,7 +132,7 @@ pub(crate) fn check_name(name: &str) -> Result<(), Error> {
     if begins && powers && !name.contains(forbidden) {
         return Ok(());
     }
-    Err(Error::BadName { name: name.into(), allowed: VARIABLE_NAME })
+    Err(Error::BadName { name: name.into(), expected: VARIABLE_NAME })
 }
 
 impl TryFrom<Vec<Variable>> for System {

@@ -13,6 +13,7 @@ use crate::parse::{Atom, is_plain, matches_whole, parse};
 
 /// A unit: how many coherent units it is, and of which dimension.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Unit {
     /// Multiplies a number in this unit to give the number in the coherent unit; exact, also for degrees.
     pub factor: Factor,
@@ -355,7 +356,7 @@ impl Units {
         let begins = symbol.chars().next().is_some_and(crate::parse::begins_symbol);
         let number = symbol.split_whitespace().any(|word| word.starts_with(|c: char| c.is_ascii_digit()));
         if !begins || number || symbol.trim() != symbol || symbol.contains(forbidden) {
-            return Err(Error::BadName { name: symbol.into(), allowed: UNIT_NAME });
+            return Err(Error::BadName { name: symbol.into(), expected: UNIT_NAME });
         }
         let old = self.find(symbol);
         if let Some(old) = old {

@@ -1,14 +1,37 @@
 //! How well a surface predicts points that it has not seen.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Data, Error};
 
 /// Leave-one-out residuals: each value minus the estimate at its point by the surface fitted to the other points.
 ///
 /// A point of weight zero was never part of the fit; its residual is that of the whole surface, and counts nothing.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedResiduals")]
 pub struct LeaveOneOut {
     residuals: Vec<f64>,
     weights: Vec<f64>,
+}
+
+/// Residuals as they stand in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "LeaveOneOut")]
+struct UncheckedResiduals {
+    residuals: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl TryFrom<UncheckedResiduals> for LeaveOneOut {
+    type Error = Error;
+
+    fn try_from(UncheckedResiduals { residuals, weights }: UncheckedResiduals) -> Result<Self, Error> {
+        let (expected, found) = (residuals.len(), weights.len());
+        if found != expected {
+            return Err(Error::Length { name: "weights", expected, found });
+        }
+        Ok(Self { residuals, weights })
+    }
 }
 
 impl LeaveOneOut {

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::lanes::{LANES, Lanes, MOST_FACTORS, check_factors};
 use crate::{Error, GridPoints, OverGrid, PointSource, Rows};
@@ -151,7 +152,8 @@ pub trait Surface: fmt::Debug + Send + Sync {
 }
 
 /// The lowest of many estimates.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Minimum {
     /// Index of its point in the source.
     pub index: u64,

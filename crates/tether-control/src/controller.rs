@@ -26,7 +26,9 @@ use crate::{Error, FilteredPd, Mixing, PdState, SampledPd, TetherLayout};
 /// # Saturation
 /// Each line's speed is limited on its own, and [`Command`] holds the speed asked for beside the speed given. There is no
 /// anti-windup, because there is no integrator: the filters see the errors only, keep them for a few time
-/// constants, and are not changed by the limit.
+/// constants, and are not changed by the limit. Where one line is cut and the others are not, all
+/// loops that use it get another speed than they asked for.
+/// [`Mixing::loop_speeds_m_s`] of the speeds given says what each loop got.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Controller {
     parameters: ControllerParameters,
@@ -70,6 +72,7 @@ pub struct SetPoints {
 
 /// The state of the body at a sample, as far as the controller looks at it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Measurement {
     /// Height of the center of mass above the winch exits.
     pub altitude_m: f64,
@@ -80,7 +83,8 @@ pub struct Measurement {
 }
 
 /// The errors that the loops act on, with the signs given at [`Controller`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TrackingErrors {
     /// z_e: set point minus altitude.
     pub altitude_m: f64,
@@ -94,6 +98,7 @@ pub struct TrackingErrors {
 ///
 /// The default is a controller at rest; assigning it is the reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ControllerState {
     /// The altitude loop's filter.
     pub altitude: PdState,
@@ -104,7 +109,8 @@ pub struct ControllerState {
 }
 
 /// The release speeds of the lines [center, starboard, port], positive when a line gets longer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Command {
     /// What the loops ask for.
     pub unsaturated_m_s: [f64; 3],

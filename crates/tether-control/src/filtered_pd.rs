@@ -56,7 +56,7 @@ impl FilteredPd {
         self.proportional
     }
 
-    /// k_d.
+    /// k_d: k_d/τ is the output for a unit error that has just come up.
     #[must_use]
     pub fn derivative(&self) -> f64 {
         self.derivative
@@ -68,7 +68,7 @@ impl FilteredPd {
         self.time_constant_s
     }
 
-    /// The output at a time after the error has stepped from 0 to 1, the filter at rest before.
+    /// The output at a time in seconds after the error has stepped from 0 to 1, the filter at rest before.
     ///
     /// ```text
     /// y(t) = k_p + (k_d/τ − k_p) exp(−t/τ)
@@ -88,7 +88,7 @@ impl FilteredPd {
     /// The same loop for an error that is sampled and held.
     ///
     /// # Errors
-    /// When the sample time is not finite or not positive.
+    /// [`Error::NonFinite`] or [`Error::NotPositive`] for the sample time.
     pub fn sampled(&self, sample_time_s: f64) -> Result<SampledPd, Error> {
         check_positive("sample_time_s", sample_time_s)?;
         let initial_gain = self.derivative / self.time_constant_s;
@@ -133,6 +133,7 @@ impl SampledPd {
 ///
 /// The default is the filter at rest; assigning it is the reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PdState {
     /// s_k: the error behind the first-order filter, in the unit of the error.
     pub filtered_error: f64,

@@ -144,7 +144,7 @@ impl CostFile {
             None => Err(Error::Argument {
                 name: "weight of the net energy per W",
                 value: weight,
-                allowed: "zero where the test has no turbine",
+                expected: "zero where the test has no turbine",
             }),
         }
     }

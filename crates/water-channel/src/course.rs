@@ -72,8 +72,8 @@ pub(crate) fn checked_count(duration_s: f64, sample_time_s: f64) -> Result<f64, 
     if value <= MOST_SAMPLES {
         return Ok(value);
     }
-    let allowed = "at most 1e8: a shorter test, or a longer sample time";
-    Err(Error::Argument { name: "number of samples of the test", value, allowed })
+    let expected = "at most 1e8: a shorter test, or a longer sample time";
+    Err(Error::Argument { name: "number of samples of the test", value, expected })
 }
 
 /// Samples that begin within a test.
@@ -85,7 +85,7 @@ pub(crate) fn samples(duration_s: f64, sample_time_s: f64) -> Result<usize, Erro
     Err(Error::Argument {
         name: "sample time of the water in s",
         value: sample_time_s,
-        allowed: "more than zero, and from 1 to 1e8 samples in the test",
+        expected: "more than zero, and from 1 to 1e8 samples in the test",
     })
 }
 

@@ -44,7 +44,7 @@ impl Turbine {
     /// # Errors
     /// [`Error::Argument`] for a number out of range.
     pub fn validate(&self) -> Result<(), Error> {
-        let bad = |name, value, allowed| Err(Error::Argument { name, value, allowed });
+        let bad = |name, value, expected| Err(Error::Argument { name, value, expected });
         let positive = "finite and more than zero";
         if !(self.area_m2.is_finite() && self.area_m2 > 0.0) {
             return bad("area of the turbine in m^2", self.area_m2, positive);

@@ -71,24 +71,24 @@ pub enum Error {
     #[error("controller: {0}")]
     Controller(#[from] tether_control::Error),
     /// A number that a caller gave.
-    #[error("{name} = {value}: it must be {allowed}")]
+    #[error("{name} = {value}: it must be {expected}")]
     Argument {
         /// Name of the argument.
         name: &'static str,
         /// The value that was given.
         value: f64,
         /// What was allowed.
-        allowed: &'static str,
+        expected: &'static str,
     },
     /// Something about cameras or dots.
-    #[error("sensing.{field} = {value}: it must be {allowed}")]
+    #[error("sensing.{field} = {value}: it must be {expected}")]
     Sensing {
         /// What it is about, with its place: `camera[0].focal_length` for example.
         field: String,
         /// The value that was given, with its unit.
         value: String,
         /// What was allowed.
-        allowed: &'static str,
+        expected: &'static str,
     },
     /// Cameras and dots that, even without noise, give no pose of the body where a flight begins.
     #[error(

@@ -27,7 +27,7 @@ impl BoundedNoise {
         Err(Error::Argument {
             name: "relative bound of the noise",
             value: relative_bound,
-            allowed: "0 or more and less than 1",
+            expected: "0 or more and less than 1",
         })
     }
 

@@ -37,7 +37,7 @@ pub fn fly_seeded(
 ) -> Vec<Result<Flight, FlightError>> {
     if seeds.len() != requests.len() {
         let (name, value) = ("number of seeds", seeds.len() as f64);
-        let error = Error::Argument { name, value, allowed: "one per request" };
+        let error = Error::Argument { name, value, expected: "one per request" };
         return requests.iter().map(|_| Err(error.clone().into())).collect();
     }
     fly_chunks(requests, Some(seeds), profile, settings, finished)

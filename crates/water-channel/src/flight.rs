@@ -204,8 +204,8 @@ pub(crate) fn check_log(rig: &Rig, profile: &TestProfile, every: usize) -> Resul
     if value <= 1e7 {
         return Ok(());
     }
-    let allowed = "at most 1e7: more samples per row, or a shorter test";
-    Err(Error::Argument { name: "number of log rows", value, allowed })
+    let expected = "at most 1e7: more samples per row, or a shorter test";
+    Err(Error::Argument { name: "number of log rows", value, expected })
 }
 
 /// Flies `request` through `profile`, from trim at the profile's first flow or the departure from it that the profile sets.
@@ -233,7 +233,7 @@ pub fn fly_logged(
 ) -> Result<(Result<Flight, FlightError>, FlightLog), FlightError> {
     settings.validate()?;
     if every == 0 {
-        return Err(Error::Argument { name: "samples per log row", value: 0.0, allowed: "at least 1" }.into());
+        return Err(Error::Argument { name: "samples per log row", value: 0.0, expected: "at least 1" }.into());
     }
     let ready = Ready::new(request, &mut Tables::of(profile), None)?;
     check_log(&request.rig, profile, every)?;

@@ -37,7 +37,7 @@ impl OpenLoop {
 /// do not converge. [`Error::Argument`] for no flow.
 pub fn open_loop_modes(request: &FlightRequest, flows: &[Flow]) -> Result<Vec<OpenLoop>, Error> {
     let Some(first) = flows.first() else {
-        return Err(Error::Argument { name: "number of flows", value: 0.0, allowed: "at least 1" });
+        return Err(Error::Argument { name: "number of flows", value: 0.0, expected: "at least 1" });
     };
     let plant = request.rig.plant(request.fidelity)?;
     let start = trim_at(&plant, &request.rig.set_points, *first)?;

@@ -126,7 +126,7 @@ impl TestProfile {
     /// [`Error::Argument`] for a duration that is not positive, a window that ends before it begins or lies
     /// outside the test, or a command outside [−1, 1].
     pub fn new(duration_s: f64, flow: FlowHistory, windows: Vec<Window>) -> Result<Self, Error> {
-        let bad = |name, value, allowed| Err(Error::Argument { name, value, allowed });
+        let bad = |name, value, expected| Err(Error::Argument { name, value, expected });
         if !(duration_s.is_finite() && duration_s > 0.0) {
             return bad("duration in s", duration_s, "finite and more than zero");
         }
@@ -172,7 +172,9 @@ impl TestProfile {
             ("start: departure of the twist in rad", start.twist_rad),
         ];
         match angles.into_iter().find(|(_, angle)| angle.is_nan() || angle.abs() >= core::f64::consts::PI) {
-            Some((name, value)) => Err(Error::Argument { name, value, allowed: "short of a half turn to either side" }),
+            Some((name, value)) => {
+                Err(Error::Argument { name, value, expected: "short of a half turn to either side" })
+            }
             None => Ok(Self { start, ..self }),
         }
     }

@@ -47,7 +47,7 @@ impl FlightSettings {
         Err(Error::Argument {
             name: "steps per sample",
             value: self.steps_per_sample as f64,
-            allowed: "a whole number from 1 to 1000",
+            expected: "a whole number from 1 to 1000",
         })
     }
 }

@@ -24,7 +24,7 @@ impl Shedding {
     /// [`Error::Argument`] for a number that is not finite or out of range.
     pub fn validate(&self) -> Result<(), Error> {
         let not_negative = |value: f64| value.is_finite() && value >= 0.0;
-        let bad = |name, value, allowed| Err(Error::Argument { name, value, allowed });
+        let bad = |name, value, expected| Err(Error::Argument { name, value, expected });
         if !not_negative(self.strouhal) {
             return bad("Strouhal number of the shedding", self.strouhal, "finite and zero or more");
         }

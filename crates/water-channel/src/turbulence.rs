@@ -42,14 +42,14 @@ impl Turbulence {
         ];
         for (name, value) in intensities {
             if !(0.0..=LARGEST_INTENSITY).contains(&value) {
-                return Err(Error::Argument { name, value, allowed: "0 to 0.5" });
+                return Err(Error::Argument { name, value, expected: "0 to 0.5" });
             }
         }
         if !(self.length_m.is_finite() && self.length_m > 0.0) {
             return Err(Error::Argument {
                 name: "length scale of the turbulence in m",
                 value: self.length_m,
-                allowed: "finite and more than zero",
+                expected: "finite and more than zero",
             });
         }
         Ok(())

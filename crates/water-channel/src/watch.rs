@@ -140,7 +140,7 @@ impl Watcher {
         if self.failure.is_some() {
             return;
         }
-        let outside = |name, value, unit, allowed| bat_dynamics::Error::State { name, value, unit, time_s, allowed };
+        let outside = |name, value, unit, expected| bat_dynamics::Error::State { name, value, unit, time_s, expected };
         let lines = STATE_NAMES[6..9].iter().zip(&state[6..9]);
         let error = match (check_state(state, time_s), lines.min_by(|a, b| a.1.total_cmp(b.1))) {
             (Err(error), _) => error,

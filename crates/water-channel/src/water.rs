@@ -173,7 +173,7 @@ impl WaterTable {
     /// # Errors
     /// [`Error::Argument`] for a sample time that is not positive, less than two rows or a number that is not finite.
     pub fn new(sample_time_s: f64, rows: Vec<WaterRow>) -> Result<Self, Error> {
-        let bad = |name, value, allowed| Err(Error::Argument { name, value, allowed });
+        let bad = |name, value, expected| Err(Error::Argument { name, value, expected });
         if !(sample_time_s.is_finite() && sample_time_s > 0.0) {
             return bad("sample time of the water in s", sample_time_s, "finite and more than zero");
         }
@@ -210,14 +210,14 @@ impl WaterTable {
             return Err(Error::Argument {
                 name: "sample time of the water in s",
                 value: self.sample_time_s,
-                allowed: "that of the controller",
+                expected: "that of the controller",
             });
         }
         if self.rows.len() < samples(duration_s, sample_time_s)? + 1 {
             return Err(Error::Argument {
                 name: "rows of the water",
                 value: self.rows.len() as f64,
-                allowed: "one per sample of the test and one at its end",
+                expected: "one per sample of the test and one at its end",
             });
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! One test per way of being wrong; every message names the parameter, the value and the range.
 
-use design_space::{Error, Parameter, Region};
+use design_space::{Error, Grid, Parameter, Region};
 
 fn pitch() -> Parameter {
     Parameter::continuous("pitch", "deg", 10.0, 22.0).unwrap()
@@ -107,4 +107,50 @@ fn rejects_levels_there_are_not() {
     check(pitch().level(0), "parameter `pitch` is continuous, expected a count of levels");
     check(pitch().nearest_level(11.0), "parameter `pitch` is continuous, expected a count of levels");
     check(pitch().with_levels(13).unwrap().level(13), "parameter `pitch`: level index 13, expected 0 to 12");
+}
+
+/// Wherever a setting comes in: 1.4 is neither `film` nor `wood`.
+#[test]
+fn a_choice_takes_no_number_between_two() {
+    let hull = Parameter::categorical("hull", ["foam", "film", "wood"]).unwrap();
+    let message = "parameter `hull`: the value is 1.4, expected the place of a choice: 0 (foam), 1 (film) or 2 (wood)";
+    check(hull.check(1.4), message);
+    check(hull.snap(1.4), message);
+    check(hull.nearest_level(1.4), message);
+    assert!(!hull.contains(1.4), "between two choices");
+    let region = Region::new(vec![pitch().with_levels(13).unwrap(), hull.clone()]).unwrap();
+    let grid = Grid::of(&region).unwrap();
+    check(region.check(&[10.0, 1.4]), message);
+    check(region.snap(&[10.0, 1.4]), message);
+    check(grid.nearest(&[10.0, 1.4]), message);
+    assert_eq!(region.contains(&[10.0, 1.4]), Ok(false));
+    for place in 0..3_u32 {
+        let value = f64::from(place);
+        assert_eq!(hull.check(value), Ok(value), "a choice");
+        assert_eq!(hull.nearest_level(value), Ok(place), "a choice");
+        assert!(hull.contains(value + 1e-10 * (1.0 - value)), "but for rounding, choice {place}");
+    }
+    // What lies outside, and what is no number, are refused as they are of a number.
+    check(hull.check(3.0), "parameter `hull`: the value is 3.0, expected 0.0 to 2.0 ");
+    check(hull.check(-0.5), "parameter `hull`: the value is -0.5, expected 0.0 to 2.0 ");
+    check(hull.check(f64::NAN), "parameter `hull`: the value is NaN, expected 0.0 to 2.0 ");
+    // Who asks for the nearest gets a place, of two equally near the lower.
+    let nearest =
+        [(-7.0, 0.0), (0.3, 0.0), (0.5, 0.0), (0.6, 1.0), (1.0, 1.0), (1.4, 1.0), (1.5, 1.0), (1.6, 2.0), (9.0, 2.0)];
+    for (value, place) in nearest {
+        let moved = hull.clamp(value).unwrap();
+        assert_eq!(moved.to_bits(), f64::to_bits(place), "{value} to {moved}");
+    }
+    assert_eq!(grid.digits(grid.nearest_clamped(&[10.0, 1.4]).unwrap()), Ok(vec![0, 1]));
+}
+
+#[test]
+fn of_many_choices_a_message_names_the_first_and_the_last() {
+    let names = (0..1000).map(|place| format!("c{place}"));
+    let hull = Parameter::categorical("hull", names).unwrap();
+    check(
+        hull.check(0.5),
+        "parameter `hull`: the value is 0.5, expected the place of a choice: 0 (c0), 1 (c1), 2 (c2), 3 (c3), 4 (c4), \
+         5 (c5), 6 (c6), 7 (c7), and so on, or 999 (c999)",
+    );
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::lattice::Lattice;
 use crate::measure::Measure;
+use crate::power::power;
 use crate::shape::{Axis, BoxShape, Shape};
 use crate::{Error, Space};
 
@@ -107,7 +108,7 @@ fn quasi_random(shape: &BoxShape, n_points: usize, generator: &mut impl RngExt) 
     for _ in 0..60 {
         root = (1.0 + root).powf(1.0 / (k as f64 + 1.0));
     }
-    let steps: Vec<f64> = (1..=k).map(|j| root.powi(-(j as i32))).collect();
+    let steps: Vec<f64> = (1..=k as u32).map(|j| 1.0 / power(root, j)).collect();
     let shifts: Vec<f64> = (0..k).map(|_| generator.random::<f64>()).collect();
     let coordinate = |n: usize, j: usize| {
         let fraction = ((n as f64 + 1.0) * steps[j] + shifts[j]).fract();

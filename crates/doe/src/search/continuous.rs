@@ -245,7 +245,7 @@ fn snapped(shape: &BoxShape, run: &[f64]) -> Option<Vec<f64>> {
             }
         };
         let with = |(distance, begun): &(f64, Vec<f64>), value: f64| {
-            (distance + (value - at).powi(2), begun.iter().copied().chain([value]).collect::<Vec<f64>>())
+            (distance + (value - at) * (value - at), begun.iter().copied().chain([value]).collect::<Vec<f64>>())
         };
         nearest = nearest.iter().flat_map(|begun| values.iter().map(|&value| with(begun, value))).collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));

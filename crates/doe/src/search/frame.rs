@@ -11,6 +11,7 @@ use crate::criterion::moment_matrix;
 use crate::information::PIVOT_FLOOR;
 use crate::lattice::Lattice;
 use crate::matrix::{add_outer, cholesky, inverse_of_factor};
+use crate::power::power;
 use crate::products::Products;
 use crate::shape::{BoxShape, Shape};
 use crate::{Criterion, Error, Space};
@@ -137,7 +138,7 @@ pub(crate) fn judged_lattice(problem: &Problem, relaxed: &BoxShape, products: &P
 pub(crate) fn lattice(shape: &BoxShape, products: &Products) -> Lattice {
     let k = shape.axes.len();
     let levels = lattice_levels(k);
-    if (levels as f64).powi(k as i32) <= MOST_WITH_MIDDLES {
+    if power(levels as f64, k as u32) <= MOST_WITH_MIDDLES {
         return Lattice::with_levels(shape, levels);
     }
     Lattice::with_counts(shape, |axis| if products.is_convex_along(axis) { 2 } else { levels })

@@ -87,7 +87,8 @@ fn solve_shifted(problem: &MinimaxStep<'_>, shift: f64, is_over: IsOver<'_>) -> 
         let affine = work.direction(problem, &state);
         let (primal, dual) = state.largest_steps(&affine);
         let ahead = state.mu_after(&affine, primal, dual);
-        let centering = (ahead / mu).powi(3).min(1.0) * mu;
+        let left = ahead / mu;
+        let centering = (left * left * left).min(1.0) * mu;
         // Corrector: back to the center, less the products that the predictor neglects.
         for j in 0..m {
             work.target_functions[j] = centering - affine.s[j] * affine.lambda[j];

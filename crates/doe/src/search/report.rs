@@ -2,10 +2,12 @@
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::{Cell, Design, Efficiency};
 
 /// The best design of a search, its efficiency, and how the search went.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Found {
     /// Fixed runs first, then the others, planned replicates last. Two runs are equal to the last bit or differ by more than
     /// 1e-6 in some coordinate, so that whoever groups runs finds the same [replicates](crate::Replicates); fixed runs stay
@@ -26,7 +28,8 @@ pub struct Found {
 }
 
 /// How a search went.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Report {
     /// Why it ended.
     pub stop: StopReason,
@@ -50,7 +53,8 @@ pub struct Report {
 }
 
 /// Why a search ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum StopReason {
     /// All starts were made.
     StartsDone,
@@ -63,7 +67,8 @@ pub enum StopReason {
 }
 
 /// What a search knows on its way.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Progress {
     /// Starts made.
     pub starts: u64,

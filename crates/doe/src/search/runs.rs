@@ -87,7 +87,7 @@ fn power(x: f64, exponent: i32) -> f64 {
         0 => 1.0,
         1 => x,
         2 => x * x,
-        _ => x.powi(exponent),
+        _ => crate::power::power(x, exponent.unsigned_abs()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Designs in CSV files: what is read, what is refused, and that nothing is lost on the way.
 
-use doe::{Criterion, Design, Error, FileFault, Model, Parameter, Region, RunOrder, Space};
+use doe::{Criterion, Design, DesignFile, Error, FileFault, Model, Parameter, Region, RunOrder, Space};
 use proptest::prelude::*;
 
 fn region() -> Region {
@@ -289,4 +289,28 @@ fn last_bits_of_a_search_are_written_as_what_they_are_beside_the_width() {
         assert!(error <= 1e-8 * (upper - lower) + 4.0 * f64::EPSILON * upper.abs(), "{natural}");
         assert!(expected != "0" || error <= 0.0, "{natural}");
     }
+}
+
+/// A region may hold a choice, whose column holds places.
+#[test]
+fn a_place_between_two_choices_is_named_with_its_line() {
+    let hull = Parameter::categorical("hull", ["foam", "film", "wood"]).unwrap();
+    let region = Region::new(vec![hull]).unwrap();
+    let read = |text: &str| Design::read_csv(&region, text.as_bytes());
+    assert_eq!(read("hull\n1\n2\n").unwrap().design.coordinates(), [0.0, 1.0], "places");
+    let Err(Error::File { faults }) = read("hull\n1.4\n2\n3\n") else { panic!("1.4 was read") };
+    assert_eq!(
+        faults.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        [
+            "line 2, column `hull`: 1.4, expected the place of a choice: 0 (foam), 1 (film) or 2 (wood)",
+            "line 4, column `hull`: 3.0, expected 0.0 to 2.0",
+        ]
+    );
+}
+
+#[test]
+fn what_a_file_gave_returns_from_json() {
+    let file = Design::read_csv(&region(), "note,pitch,mass,gain,J\na,10,2,0.5,3\n".as_bytes()).unwrap();
+    let text = serde_json::to_string(&file).unwrap();
+    assert_eq!(serde_json::from_str::<DesignFile>(&text).unwrap(), file, "{text}");
 }

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use doe::{
-    Axis, Cell, Criterion, Design, Effort, Error, Forbidden, Found, Grid, Model, Parameter, Problem, Region,
-    Replicates, Settings, Space, StopReason, Term, Watch, polished, search, search_watched,
+    Axis, Cell, Criterion, Design, Effort, Error, Forbidden, Found, Grid, Model, Parameter, Problem, Progress, Region,
+    Replicates, Report, Settings, Space, StopReason, Term, Watch, polished, search, search_watched,
 };
 use proptest::prelude::*;
 
@@ -708,4 +708,19 @@ fn continuous_coordinates_beside_a_forbidden_box_over_levels_are_refined() {
         }
         assert!(better.is_empty(), "{criterion}: {best} % of {x:?}, {better:?} moved");
     }
+}
+
+/// What a search found may be written down, and what it says of itself comes back as it was.
+#[test]
+fn what_a_search_found_serializes() {
+    let found = g_optimal(1, 4, 8);
+    let text = serde_json::to_string(&found.report).unwrap();
+    assert_eq!(serde_json::from_str::<Report>(&text).unwrap(), found.report, "{text}");
+    let written = serde_json::to_value(&found).unwrap();
+    assert_eq!(written["report"]["stop"], "starts_done", "{written}");
+    assert_eq!(written["efficiency"]["percent"], found.efficiency.percent, "{written}");
+    assert_eq!(written["design"], serde_json::to_value(&found.design).unwrap(), "{written}");
+    let progress = Progress { starts: 3, best_value: 1.5, best_percent: 90.0, elapsed: Duration::from_millis(1250) };
+    let text = serde_json::to_string(&progress).unwrap();
+    assert_eq!(serde_json::from_str::<Progress>(&text).unwrap(), progress, "{text}");
 }

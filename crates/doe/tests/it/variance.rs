@@ -123,3 +123,16 @@ fn a_design_that_cannot_tell_terms_apart_says_which() {
     let error = Information::of(&Model::quadratic(2).unwrap(), &design).unwrap_err();
     assert_eq!(error, Error::TooFewRuns { n_runs: 3, n_terms: 6 });
 }
+
+#[test]
+fn a_maximum_may_be_written_with_how_it_was_found() {
+    let design = Design::new(1, vec![-1.0, 0.0, 1.0]).unwrap();
+    let variance = PredictionVariance::of(&Model::linear(1).unwrap(), &design).unwrap();
+    for space in [Space::cube(1).unwrap(), Space::grid(&[3]).unwrap()] {
+        let maximum = variance.maximum(&space).unwrap();
+        let written = serde_json::to_value(&maximum).unwrap();
+        assert_eq!((&written["value"], &written["over"]), (&maximum.value.into(), &maximum.over.to_string().into()));
+        let text = written["method"].to_string();
+        assert_eq!(serde_json::from_str::<Method>(&text).unwrap(), maximum.method, "{text}");
+    }
+}

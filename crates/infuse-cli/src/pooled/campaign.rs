@@ -538,14 +538,14 @@ impl Campaign {
         let rows = self.rows()?;
         let remembered = |cell: Cell| match self.memory.get(&cell).map(|known| (&known.result, &known.constrained)) {
             Some((Measured::Value(value), constrained)) => {
-                Ok(Responses { objective: response.cost(*value), constrained: self.problem.in_order(constrained) })
+                Ok(Responses { cost: response.cost(*value), constrained: self.problem.in_order(constrained) })
             }
             Some((Measured::Failed(reason), _)) => Err(reason.clone()),
             None => Err("it was never simulated".to_owned()),
         };
         let looked_up = |cell: Cell| {
             let row = rows.get(cell).ok_or_else(|| "no row".to_owned())?;
-            Ok(Responses { objective: response.cost(row.value), constrained: row.constrained() })
+            Ok(Responses { cost: response.cost(row.value), constrained: row.constrained() })
         };
         let mut look_up = |cell: Cell, _: &[f64]| match access {
             Access::All => remembered(cell),
@@ -573,7 +573,7 @@ impl Campaign {
         }
         let response = &self.problem.response;
         let responses = |value: f64, constrained: &Constrained| Responses {
-            objective: response.cost(value),
+            cost: response.cost(value),
             constrained: self.problem.in_order(constrained),
         };
         for imported in &self.imported {
@@ -649,22 +649,21 @@ impl Campaign {
     fn tell_simulations(&self, now: &mut Loop) -> Result<()> {
         let response = &self.problem.response;
         if let Simulator::Table(_) = self.problem.simulator {
-            for (cell, objective) in some_rows(&self.simulated()?, &self.planned) {
-                now.tell_simulated(cell, Responses { objective, constrained: self.simulated_constraints(cell)? })?;
+            for (cell, cost) in some_rows(&self.simulated()?, &self.planned) {
+                now.tell_simulation(cell, Ok(Responses { cost, constrained: self.simulated_constraints(cell)? }))?;
             }
             return Ok(());
         }
         let by = identity(&self.problem.simulator);
         for (&cell, known) in self.memory.iter().filter(|(_, known)| known.by == by) {
-            match &known.result {
+            let said = match &known.result {
                 Measured::Value(value) => {
                     let constrained = self.problem.in_order(&known.constrained);
-                    now.tell_simulated(cell, Responses { objective: response.cost(*value), constrained })?;
+                    Ok(Responses { cost: response.cost(*value), constrained })
                 }
-                Measured::Failed(reason) => {
-                    now.tell_simulation(cell, &Outcome::Failed { reason: reason.clone() })?;
-                }
-            }
+                Measured::Failed(reason) => Err(reason.clone()),
+            };
+            now.tell_simulation(cell, said)?;
         }
         Ok(())
     }

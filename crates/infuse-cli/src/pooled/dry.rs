@@ -23,7 +23,7 @@ pub(super) fn dry_pick(problem: &Problem, settings: &Settings) -> Result<Duratio
         Ok(coded.iter().enumerate().map(|(place, x)| (x - center).powi(2) + 0.1 * x * place as f64).sum())
     };
     let mut simulate = |_: Cell, point: &[f64]| match value(point, 0.0) {
-        Ok(value) => Ok(Responses { objective: value, constrained: vec![Some(value); n_constraints] }),
+        Ok(value) => Ok(Responses { cost: value, constrained: vec![Some(value); n_constraints] }),
         Err(error) => Err(error.to_string()),
     };
     let is_simulated = problem.simulator.is_there();

@@ -17,7 +17,7 @@ pub struct CodesignReport {
     /// The best point simulated, natural coordinates.
     pub point: Vec<f64>,
     /// Its cost.
-    pub value: f64,
+    pub cost: f64,
     /// Simulations run, failed ones included.
     pub n_simulations: usize,
     /// Simulations that gave no finite cost, in the order they were run.
@@ -80,7 +80,7 @@ pub fn codesign(
     let best = evaluator.best()?;
     Ok(CodesignReport {
         point: best.point,
-        value: best.corrected_cost,
+        cost: best.corrected_cost,
         n_simulations: evaluator.n_simulations,
         failures: evaluator.failures,
         stop,

@@ -46,9 +46,9 @@ pub(crate) fn search(warm_start: &[f64], settings: &SearchSettings, cost: &mut C
     let mut stop = CodesignStop::Converged;
     for index in worth_a_descent(&starts) {
         let mut coded = starts[index].coded.clone();
-        let objective = |point: &[f64]| history.with_barrier(point);
+        let cost = |point: &[f64]| history.with_barrier(point);
         let (lower, upper) = (vec![-1.0; n_axes], vec![1.0; n_axes]);
-        let outcome = solver.minimize(objective, &mut coded, &lower, &upper);
+        let outcome = solver.minimize(cost, &mut coded, &lower, &upper);
         stop = stop.and(match outcome.status {
             Status::MaxFunReached => CodesignStop::SearchLimit,
             Status::ModelDegenerate => CodesignStop::ModelDegenerate,

@@ -1,5 +1,7 @@
 //! Whether the errors of the surfaces shrink, as the proposition assumes.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Error;
 use crate::checks::{check_error_bounds, check_not_negative};
 
@@ -13,7 +15,8 @@ use crate::checks::{check_error_bounds, check_not_negative};
 ///
 /// Source: (43), (44).
 #[non_exhaustive]
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AssumptionReport {
     /// Growth of E1.
     pub simulation: Vec<Growth>,
@@ -22,7 +25,8 @@ pub struct AssumptionReport {
 }
 
 /// One step in the wrong direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Growth {
     /// The batch whose error is larger, from 2.
     pub batch: usize,

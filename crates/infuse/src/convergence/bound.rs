@@ -1,5 +1,7 @@
 //! How far a corrected model can be from the truth.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Error;
 use crate::checks::{check_count, check_error_bounds, check_not_negative};
 use crate::correction::{Law, ModelStage, Rule};
@@ -63,7 +65,8 @@ use crate::correction::{Law, ModelStage, Rule};
 /// ```
 ///
 /// Source: (55).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Bound {
     /// How the model is corrected.
     pub rule: Rule,
@@ -74,11 +77,29 @@ pub struct Bound {
 /// Bounds on the errors of the surfaces, the same in every batch, in the unit of the response.
 ///
 /// Source: (41).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedLevels")]
 pub struct ErrorLevels {
     gap: f64,
     simulation: f64,
     experiment: f64,
+}
+
+/// Levels as they stand in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "ErrorLevels")]
+struct UncheckedLevels {
+    gap: f64,
+    simulation: f64,
+    experiment: f64,
+}
+
+impl TryFrom<UncheckedLevels> for ErrorLevels {
+    type Error = Error;
+
+    fn try_from(UncheckedLevels { gap, simulation, experiment }: UncheckedLevels) -> Result<Self, Error> {
+        Self::new(gap, simulation, experiment)
+    }
 }
 
 impl ErrorLevels {
@@ -96,7 +117,8 @@ impl ErrorLevels {
 }
 
 /// How much of each error can reach the model, dimensionless.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Amplification {
     /// Of the gap d_0.
     pub gap: f64,

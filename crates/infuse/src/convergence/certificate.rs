@@ -1,5 +1,7 @@
 //! What a bound on the model says about a design.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Error;
 use crate::checks::{check_cells, check_finite, check_not_negative};
 
@@ -32,7 +34,8 @@ use crate::checks::{check_cells, check_finite, check_not_negative};
 /// # Ok::<(), infuse::Error>(())
 /// ```
 #[non_exhaustive]
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RegretCertificate {
     /// Ĵ_model(p) − min_M Ĵ_model; negative for a point between cells below all of them.
     pub model_excess: f64,

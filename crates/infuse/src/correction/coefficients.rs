@@ -1,5 +1,7 @@
 //! A combination of surfaces.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Error;
 use crate::checks::{check_count, check_finite};
 
@@ -7,7 +9,8 @@ use crate::checks::{check_count, check_finite};
 ///
 /// The surfaces may be given in any form in which sums of surfaces are sums of numbers: values at
 /// points, or coefficients in one basis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Coefficients {
     /// Factor of the experiment surface of each batch.
     pub experiment: Vec<f64>,

@@ -3,6 +3,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 use surface::{Polynomial, Regression, Surface};
 
 use crate::Error;
@@ -30,7 +31,8 @@ const MOST_CELLS: u64 = 20_000;
 /// further experiments can bring more on average, if the regressor is right and the errors about it are independent.
 /// What it may be worth that the regressor is not right stands beside it.
 /// Source: beyond the text; the expected value of perfect information.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Outlook {
     /// Mean of the gains.

@@ -1,5 +1,6 @@
 //! What can be promised of the optimum: certificates, and the cells that may still be better.
 
+use serde::{Deserialize, Serialize};
 use surface::LeaveOneOut;
 
 use crate::Error;
@@ -13,7 +14,8 @@ use crate::global::surfaces::BatchSurfaces;
 use crate::traced::TracedSurface;
 
 /// What [`Loop::observed_certificate`] rests on.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct ObservedErrors {
     /// Largest error of an Ĵsim of the campaign at a simulation that was left out of the fit.

@@ -98,7 +98,8 @@ impl Screening {
 }
 
 /// Why and when a cell was dropped.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Dropped {
     /// The batch that dropped it, from 1.
     pub batch: usize,

@@ -54,7 +54,8 @@ impl Loop {
     }
 
     /// The outcome of an outstanding side trial whose own parameter could not be set exactly as
-    /// asked: `actual` is the setting made, in the parameter's unit. The difference then uses it.
+    /// asked: `actual` is the setting made, in the parameter's unit. The difference then uses it. It is one setting and not a point,
+    /// because the two ends of a difference may differ in nothing else.
     ///
     /// # Errors
     ///

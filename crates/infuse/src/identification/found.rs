@@ -7,10 +7,10 @@ use super::settings::Noise;
 use super::undetermined::Direction;
 use crate::Error;
 
-/// A bound that an unknown has run against.
+/// The end of its range that an unknown has run against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Bound {
+pub enum RangeEnd {
     /// The lower one.
     Lower,
     /// The upper one.
@@ -48,7 +48,7 @@ pub struct Estimate {
     /// Its standard error; none at a bound, and none where it is not determined.
     pub standard_error: Option<f64>,
     /// The bound it has run against.
-    pub bound: Option<Bound>,
+    pub bound: Option<RangeEnd>,
     /// Degrees of freedom of the noise; none where the noise is known.
     pub(super) degrees_of_freedom: Option<usize>,
 }
@@ -153,8 +153,8 @@ impl Identification {
         let mut warnings: Vec<String> = self.undetermined.iter().map(|direction| direction.words.clone()).collect();
         for estimate in &self.estimates {
             let which = match estimate.bound {
-                Some(Bound::Lower) => "lower",
-                Some(Bound::Upper) => "upper",
+                Some(RangeEnd::Lower) => "lower",
+                Some(RangeEnd::Upper) => "upper",
                 None => continue,
             };
             let Estimate { name, value, unit, .. } = estimate;

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::found::{Bound, Estimate, FitStop, Identification};
+use super::found::{Estimate, FitStop, Identification, RangeEnd};
 use super::jacobian::{Sides, jacobian};
 use super::measurements::Measurements;
 use super::precision::Directions;
@@ -146,11 +146,11 @@ struct Fitted {
 }
 
 impl Fitted {
-    fn bound(&self, j: usize) -> Option<Bound> {
+    fn bound(&self, j: usize) -> Option<RangeEnd> {
         if self.shares[j] <= 0.0 {
-            Some(Bound::Lower)
+            Some(RangeEnd::Lower)
         } else if self.shares[j] >= 1.0 {
-            Some(Bound::Upper)
+            Some(RangeEnd::Upper)
         } else {
             None
         }

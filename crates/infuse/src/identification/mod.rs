@@ -71,7 +71,7 @@ mod settings;
 mod undetermined;
 mod unknowns;
 
-pub use found::{Bound, Estimate, FitStop, Identification};
+pub use found::{Estimate, FitStop, Identification, RangeEnd};
 pub use identify::identify;
 pub use measurements::Measurements;
 pub use residuals::Answer;

@@ -92,7 +92,7 @@ impl Loop {
 
     /// Asks and tells until the campaign ends, with experiments and simulations that answer at once.
     ///
-    /// An experiment gives the response that is to be made small, or [`Responses`] where there are
+    /// An experiment gives its cost, or [`Responses`] where there are
     /// [constraints](crate::pooled::Settings::constraints), or else the reason why it gave none:
     ///
     /// ```
@@ -108,7 +108,7 @@ impl Loop {
     /// let mut simulation = |_: Cell, p: &[f64]| Ok(10.0 - p[0]);
     /// let mut rig = |trial: &Trial| {
     ///     let force = trial.point[0];
-    ///     Ok(Responses { objective: 10.0 - 0.9 * force, constrained: vec![Some(force)] })
+    ///     Ok(Responses { cost: 10.0 - 0.9 * force, constrained: vec![Some(force)] })
     /// };
     /// campaign.run(&mut simulation, &mut rig)?;
     /// let found = campaign.assess(Some(&mut simulation))?.expect("there are responses");
@@ -173,7 +173,7 @@ impl Loop {
         if !constrained.is_empty() {
             self.tell_constrained(id, constrained)?;
         }
-        self.tell(id, responses.map(|responses| responses.objective).into())
+        self.tell(id, responses.map(|responses| responses.cost).into())
     }
 
     /// New trials at these cells, as one more batch: for experiments that the experimenter wants.
@@ -219,28 +219,20 @@ impl Loop {
         self.record(id, actual.map(<[f64]>::to_vec), outcome, true)
     }
 
-    /// The outcome of a simulation, handed out or not. A value that is no number, or beyond 1e100, counts as a failure.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::DesignSpace`] for a cell that does not exist.
-    pub fn tell_simulation(&mut self, cell: Cell, outcome: &Outcome) -> Result<(), Error> {
-        self.designs.grid().digits(cell)?;
-        self.simulated.insert(cell, outcome.cost().map(Responses::from));
-        self.due.retain(|&due| due != cell);
-        Ok(())
-    }
-
-    /// The responses of a simulation, the constrained ones among them, handed out or not; as those of
-    /// [`tell_simulation`](Self::tell_simulation).
+    /// What a simulation gave, handed out or not: its cost, or [`Responses`] where there are
+    /// [constraints](crate::pooled::Settings::constraints), or else the reason why it gave none. A cost that is no number, or beyond
+    /// 1e100, counts as a failure.
     ///
     /// # Errors
     ///
     /// [`Error::DesignSpace`] for a cell that does not exist, [`Error::TooManyConstrained`] for more values than constraints.
-    pub fn tell_simulated(&mut self, cell: Cell, responses: Responses) -> Result<(), Error> {
+    pub fn tell_simulation<R: Into<Responses>>(&mut self, cell: Cell, said: Result<R, String>) -> Result<(), Error> {
         self.designs.grid().digits(cell)?;
-        self.check_constrained(&responses.constrained)?;
-        self.simulated.insert(cell, Some(responses));
+        let responses = said.ok().map(Into::into);
+        if let Some(responses) = &responses {
+            self.check_constrained(&responses.constrained)?;
+        }
+        self.simulated.insert(cell, responses);
         self.due.retain(|&due| due != cell);
         Ok(())
     }
@@ -299,14 +291,14 @@ impl Loop {
         source: impl Into<String>,
     ) -> Result<(), Error> {
         check_earlier(point, self.region())?;
-        let Responses { objective, constrained } = responses.into();
+        let Responses { cost, constrained } = responses.into();
         self.check_constrained(&constrained)?;
-        let values = constrained.iter().flatten().chain([&objective]);
+        let values = constrained.iter().flatten().chain([&cost]);
         if let Some(&value) = values.into_iter().find(|value| value.is_nan() || value.abs() > surface::Data::LARGEST) {
             let expected = "a response of at most 1e100 in magnitude";
             return Err(Error::Setting { name: "response", value, expected });
         }
-        let (point, outcome) = (point.to_vec(), Outcome::Value(objective));
+        let (point, outcome) = (point.to_vec(), Outcome::Value(cost));
         self.earlier.push(Earlier { point, outcome, constrained, source: source.into() });
         Ok(())
     }

@@ -529,7 +529,7 @@ impl Kept {
                     joint.draws(per_process, &mut rng)
                 })
                 .collect();
-            // Neighbors come from different processes, so that each meets each of the objective.
+            // Neighbors come from different processes, so that each meets each of the cost.
             for (index, kept) in draws.iter_mut().enumerate() {
                 let (process, draw) = (index % drawn.len(), index / drawn.len());
                 kept.iter_mut()

@@ -222,7 +222,8 @@ impl Designs {
                     }
                 }
             }
-            let middle = self.combinations().digits(self.grid.nearest(&point).ok()?.index());
+            // Drawn between two choices as well, so it is moved to one of them.
+            let middle = self.combinations().digits(self.grid.nearest_clamped(&point).ok()?.index());
             let near = (0..DRAWN).map(|_| {
                 let step = |(&digit, &count): (&u64, &u64)| {
                     (digit + rng.random_range(0..3_u64)).saturating_sub(1).min(count - 1)

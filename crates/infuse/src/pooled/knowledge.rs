@@ -231,7 +231,7 @@ impl<'a, 's> Knowledge<'a, 's> {
     /// Mean and variance of the response, that of an uncertain simulation included.
     pub(crate) fn marginals(&self, places: &Places) -> Result<Marginals, Error> {
         let mut marginals = self.process.marginals(places)?;
-        if let Some(simulated) = self.source.variances(places, Column::Objective)? {
+        if let Some(simulated) = self.source.variances(places, Column::Cost)? {
             let factor = self.process.squared_simulation_factor();
             marginals.variances.iter_mut().zip(simulated).for_each(|(variance, own)| *variance += factor * own);
         }
@@ -241,7 +241,7 @@ impl<'a, 's> Knowledge<'a, 's> {
     /// What each particle says of places together, an uncertain simulation included.
     pub(crate) fn joint_of_each(&self, places: &Places) -> Result<Vec<Joint>, Error> {
         let mut of_each = self.process.joint_of_each(places)?;
-        if let Some(simulated) = self.source.joint(places, Column::Objective)? {
+        if let Some(simulated) = self.source.joint(places, Column::Cost)? {
             for (joint, particle) in of_each.iter_mut().zip(self.process.particles()) {
                 joint.add_covariance(&simulated, particle.squared_simulation_factor());
             }

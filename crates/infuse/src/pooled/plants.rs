@@ -19,7 +19,9 @@ use crate::pooled::designs::Designs;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plants {
-    /// The parameters that are part of the plant, by their places in the region.
+    /// The parameters that are part of the plant, by their places in the region: of a
+    /// [`CodesignProblem`](crate::CodesignProblem) those of [`indices`](crate::CodesignProblem::indices) with
+    /// [`Role::Plant`](crate::Role::Plant).
     pub parameters: Vec<usize>,
     /// What it costs to change each of them, in experiments: how many runs could be made instead. Default: nothing, so that only
     /// their number counts.

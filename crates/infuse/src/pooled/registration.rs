@@ -137,7 +137,7 @@ pub(crate) struct Runs<'s> {
 impl Simulation for Runs<'_> {
     fn says(&mut self, designs: &Designs, cells: &[Cell]) -> Result<Option<Vec<f64>>, Error> {
         self.simulated.run(designs, cells, self.simulate)?;
-        self.simulated.at_or_near_all(designs, cells, self.screened, Column::Objective)
+        self.simulated.at_or_near_all(designs, cells, self.screened, Column::Cost)
     }
 }
 
@@ -159,7 +159,7 @@ impl Simulation for Emulation<'_> {
         let new: BTreeSet<Cell> = cells.iter().copied().filter(|cell| !self.known.contains_key(cell)).collect();
         let new: Vec<Cell> = new.into_iter().collect();
         if !new.is_empty() {
-            let said = self.emulator.says(designs, &new, self.simulated, Column::Objective)?;
+            let said = self.emulator.says(designs, &new, self.simulated, Column::Cost)?;
             self.known.extend(new.into_iter().zip(said.into_iter().flatten()));
         }
         Ok(cells.iter().map(|cell| self.known.get(cell).copied()).collect())

@@ -15,12 +15,13 @@ use crate::pooled::evenly::screened;
 use crate::pooled::moments::mean_and_deviation;
 use crate::pooled::settings::Settings;
 
-/// What one run gives: the response that is to be made small, and those on which there are constraints.
+/// What one run gives: its cost, and the responses on which there are constraints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Responses {
-    /// What is to be made small.
-    pub objective: f64,
+    /// What is to be made small: the response, or its negative.
+    #[serde(alias = "objective")]
+    pub cost: f64,
     /// One per constraint, in the order of [`Settings::constraints`](crate::pooled::Settings::constraints); none where it was not
     /// measured. Missing ones at the end may be left out.
     #[serde(default)]
@@ -28,8 +29,8 @@ pub struct Responses {
 }
 
 impl From<f64> for Responses {
-    fn from(objective: f64) -> Self {
-        Self { objective, constrained: Vec::new() }
+    fn from(cost: f64) -> Self {
+        Self { cost, constrained: Vec::new() }
     }
 }
 
@@ -53,7 +54,7 @@ where
 /// Which response of a run is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Column {
-    Objective,
+    Cost,
     /// By its place among the constraints.
     Constrained(usize),
 }
@@ -61,7 +62,7 @@ pub(crate) enum Column {
 impl Column {
     fn of(self, responses: &Responses) -> Option<f64> {
         match self {
-            Self::Objective => Some(responses.objective),
+            Self::Cost => Some(responses.cost),
             Self::Constrained(index) => responses.constrained.get(index).copied().flatten(),
         }
     }
@@ -81,7 +82,7 @@ impl Simulated {
 
     fn usable(outcome: Option<Responses>) -> Option<Responses> {
         let is_usable = |value: f64| value.abs() <= Data::LARGEST;
-        outcome.filter(|responses| is_usable(responses.objective)).map(|mut responses| {
+        outcome.filter(|responses| is_usable(responses.cost)).map(|mut responses| {
             responses.constrained.iter_mut().for_each(|value| *value = value.filter(|value| is_usable(*value)));
             responses
         })
@@ -180,14 +181,14 @@ pub(crate) struct Place {
     displacement: Displacement,
     /// and that in coded units.
     coded: Vec<f64>,
-    /// Standard deviation of what it says of the designs that were measured: of the objective, then of each constrained response.
+    /// Standard deviation of what it says of the designs that were measured: of the cost, then of each constrained response.
     units: Vec<Option<f64>>,
 }
 
 impl Place {
     fn unit(&self, column: Column) -> f64 {
         let index = match column {
-            Column::Objective => 0,
+            Column::Cost => 0,
             Column::Constrained(index) => index + 1,
         };
         self.units.get(index).copied().flatten().unwrap_or_default()
@@ -240,7 +241,7 @@ impl Source<'_> {
         simulated: &Simulated,
         n_constraints: usize,
     ) -> Result<(), Error> {
-        let columns = [Column::Objective].into_iter().chain((0..n_constraints).map(Column::Constrained));
+        let columns = [Column::Cost].into_iter().chain((0..n_constraints).map(Column::Constrained));
         let of_it =
             |column| Ok(self.says(designs, measured, simulated, column)?.map(|said| mean_and_deviation(&said)[1]));
         // Where it is in its place, nothing lies beyond.
@@ -268,10 +269,10 @@ impl Source<'_> {
         let mut known: Vec<(Cell, f64)> = match self {
             Self::Nothing => Vec::new(),
             Self::Cheap { screened, .. } => {
-                let of_it = |&cell: &Cell| Some((cell, simulated.at(cell, Column::Objective)?));
+                let of_it = |&cell: &Cell| Some((cell, simulated.at(cell, Column::Cost)?));
                 screened.iter().filter_map(of_it).collect()
             }
-            Self::Emulated { .. } => simulated.known(Column::Objective).collect(),
+            Self::Emulated { .. } => simulated.known(Column::Cost).collect(),
         };
         known.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         known.dedup();
@@ -298,7 +299,7 @@ impl Source<'_> {
             let all: Vec<Cell> = there.iter().chain(around.iter().flatten()).chain(&inside).copied().collect();
             simulated.run(designs, &all, &mut **simulate)?;
         }
-        let Some(said) = self.would_say(designs, [&there, &inside], simulated, Column::Objective)? else {
+        let Some(said) = self.would_say(designs, [&there, &inside], simulated, Column::Cost)? else {
             return designs.places(cells);
         };
         let known = self.known(designs, cells);
@@ -309,7 +310,7 @@ impl Source<'_> {
             Ok(off.enumerate().map(|(place, off)| known.get(place).map_or(off, |known| known * off)).collect())
         };
         let deviations = around.into_iter().map(deviations).collect::<Result<_, Error>>()?;
-        Ok(self.told(designs.places(cells)?, said, &known, Column::Objective)?.with_deviations(deviations)?)
+        Ok(self.told(designs.places(cells)?, said, &known, Column::Cost)?.with_deviations(deviations)?)
     }
 
     /// What the simulation says of cells as exactly as differences are asked for: of a surface one particle will do.
@@ -317,10 +318,10 @@ impl Source<'_> {
         let none = || vec![0.0; cells.len()];
         match self {
             Self::Emulated { emulator, .. } => {
-                let [first, ..] = emulator.objective.particles() else { return Ok(none()) };
+                let [first, ..] = emulator.cost.particles() else { return Ok(none()) };
                 Ok(first.means(&designs.places(cells)?)?)
             }
-            _ => Ok(self.says(designs, cells, simulated, Column::Objective)?.unwrap_or_else(none)),
+            _ => Ok(self.says(designs, cells, simulated, Column::Cost)?.unwrap_or_else(none)),
         }
     }
 
@@ -408,7 +409,7 @@ impl Source<'_> {
     /// The variances of the differences of simulated responses to the first; nothing where they are known.
     pub(crate) fn variances_from_first(&self, places: &Places) -> Result<Option<Vec<f64>>, Error> {
         let mut sum = vec![0.0; places.n_places()];
-        let Some((process, there)) = self.emulation(places, Column::Objective) else { return Ok(None) };
+        let Some((process, there)) = self.emulation(places, Column::Cost) else { return Ok(None) };
         let of_each = process.contrasts(&there)?;
         for contrast in &of_each {
             let pairs = sum.iter_mut().zip(&contrast.variances);
@@ -435,7 +436,7 @@ impl Source<'_> {
 /// A surface through the simulations of each response, free of noise.
 #[derive(Debug)]
 pub(crate) struct Emulator {
-    objective: AveragedProcess,
+    cost: AveragedProcess,
     /// None for what was never simulated.
     constrained: Vec<Option<AveragedProcess>>,
 }
@@ -447,11 +448,11 @@ impl Emulator {
     /// Through all simulations that gave a response; nothing for fewer than two.
     pub(crate) fn of(simulated: &Simulated, designs: &Designs, settings: &Settings) -> Result<Option<Self>, Error> {
         let through = |column| Self::through(simulated, designs, settings.seed, column);
-        let Some(objective) = through(Column::Objective)? else {
+        let Some(cost) = through(Column::Cost)? else {
             return Ok(None);
         };
         let constrained = (0..settings.constraints.len()).map(|index| through(Column::Constrained(index)));
-        Ok(Some(Self { objective, constrained: constrained.collect::<Result<_, _>>()? }))
+        Ok(Some(Self { cost, constrained: constrained.collect::<Result<_, _>>()? }))
     }
 
     fn through(
@@ -479,7 +480,7 @@ impl Emulator {
 
     fn process(&self, column: Column) -> Option<&AveragedProcess> {
         match column {
-            Column::Objective => Some(&self.objective),
+            Column::Cost => Some(&self.cost),
             Column::Constrained(index) => self.constrained.get(index)?.as_ref(),
         }
     }
@@ -500,7 +501,7 @@ impl Emulator {
     /// Which of the cells to simulate next, most uncertain first, each pick counted in: at most `count`.
     pub(crate) fn most_uncertain(&self, designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
         let places = designs.places(cells)?;
-        let mut joint = self.objective.joint(&places)?;
+        let mut joint = self.cost.joint(&places)?;
         let mut chosen = Vec::new();
         for _ in 0..count.min(cells.len()) {
             let order = |&a: &usize, &b: &usize| joint.variance(a).total_cmp(&joint.variance(b)).then(b.cmp(&a));
@@ -544,16 +545,16 @@ mod tests {
         for (x, y, expected) in [(4, 3, 2.0), (4, 2, 2.0), (8, 8, 1.0), (1, 1, 3.0), (10, 0, 5.0), (3, 6, 4.0)] {
             simulated.insert(cell(&designs, 5, 5), None);
             let here = [cell(&designs, x, y)];
-            let found = simulated.at_or_near_all(&designs, &here, &others, Column::Objective).unwrap();
+            let found = simulated.at_or_near_all(&designs, &here, &others, Column::Cost).unwrap();
             assert_eq!(found, Some(vec![expected]), "at {x}, {y}");
         }
         // Level with two: the first of those.
         let here = [cell(&designs, 3, 3)];
-        let near = |others: &[Cell]| simulated.at_or_near_all(&designs, &here, others, Column::Objective).unwrap();
+        let near = |others: &[Cell]| simulated.at_or_near_all(&designs, &here, others, Column::Cost).unwrap();
         assert_eq!(near(&others), Some(vec![2.0]));
         assert_eq!(near(&[]), None, "it failed there, and no other is known");
         let both = [here[0], others[3]];
-        let found = simulated.at_or_near_all(&designs, &both, &[], Column::Objective).unwrap();
+        let found = simulated.at_or_near_all(&designs, &both, &[], Column::Cost).unwrap();
         assert_eq!(found, Some(vec![4.0, 4.0]), "those that were asked for themselves");
     }
 
@@ -638,12 +639,12 @@ mod tests {
         let in_place = source.places(&designs, &cells, &mut simulated).unwrap();
         let farther_on = cell(&designs, 5, 6);
         let expected = source.places(&designs, &[farther_on], &mut simulated).unwrap();
-        let variance = source.variances(&expected, Column::Objective).unwrap().unwrap()[0];
+        let variance = source.variances(&expected, Column::Cost).unwrap().unwrap()[0];
         source.displace(Displacement(vec![2, -1]), &designs, &cells, &simulated, 0).unwrap();
         let places = source.places(&designs, &cells, &mut simulated).unwrap();
         assert_eq!(places.simulated().unwrap()[0].to_bits(), 0.5_f64.to_bits(), "of the design at 3 and 7");
         assert!((places.simulated().unwrap()[1] - expected.simulated().unwrap()[0]).abs() < 1e-12);
-        let found = source.variances(&places, Column::Objective).unwrap().unwrap();
+        let found = source.variances(&places, Column::Cost).unwrap().unwrap();
         assert!(found[0] < 1e-6 && (found[1] - variance).abs() < 1e-9 && variance > 1e-3, "{found:?}, {variance}");
         assert_eq!((in_place.deviations().len(), places.deviations().len()), (0, 4));
     }
@@ -660,7 +661,7 @@ mod tests {
         let cells = [(5, 5), (0, 0), (5, 5), (10, 0)].map(|(x, y)| cell(&designs, x, y));
         let places = designs.places(&cells).unwrap();
         let found = source.variances_from_first(&places).unwrap().unwrap();
-        let joint = source.joint(&places, Column::Objective).unwrap().unwrap();
+        let joint = source.joint(&places, Column::Cost).unwrap().unwrap();
         assert_eq!(found.len(), 4);
         for (place, variance) in found.iter().enumerate() {
             let most = joint.variance(0) + joint.variance(place) - 2.0 * joint.covariances(0)[place];

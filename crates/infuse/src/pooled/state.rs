@@ -100,17 +100,14 @@ fn told_anew(state: State) -> Result<Loop, Error> {
     }
     for Earlier { point, outcome, constrained, source } in earlier {
         match outcome {
-            Outcome::Value(objective) => {
-                campaign.add_earlier(&point, Responses { objective, constrained }, source)?;
+            Outcome::Value(cost) => {
+                campaign.add_earlier(&point, Responses { cost, constrained }, source)?;
             }
             Outcome::Failed { reason } => campaign.add_earlier_failure(&point, reason, source)?,
         }
     }
     for Simulation { cell, responses } in simulated {
-        match responses {
-            Some(responses) => campaign.tell_simulated(cell, responses)?,
-            None => campaign.tell_simulation(cell, &Outcome::Failed { reason: String::new() })?,
-        }
+        campaign.tell_simulation(cell, responses.ok_or_else(String::new))?;
     }
     for cell in refused {
         campaign.refuse(cell)?;

@@ -38,8 +38,8 @@ fn an_optimum_on_the_edge_of_the_flyable_region_is_a_point_that_flew() {
     };
     let report = codesign(&pair(-1.0, 1.0), &optimizer(Strategy::Nested), &[0.0, 0.0], &mut cost).unwrap();
     assert!(report.point[0] + report.point[1] <= 0.5, "{report:?}");
-    assert_eq!(Ok(report.value), cost(&report.point), "its own cost, not the barrier");
-    assert!(report.value < 99.6, "and near the edge: {}", report.value);
+    assert_eq!(Ok(report.cost), cost(&report.point), "its own cost, not the barrier");
+    assert!(report.cost < 99.6, "and near the edge: {}", report.cost);
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn a_cost_that_is_not_finite_is_a_failure() {
     let settings = optimizer(Strategy::Simultaneous);
     let report = codesign(&pair(-1.0, 1.0), &settings, &[0.0, 0.0], &mut cost).unwrap();
     assert_eq!(report.failures[0].reason, "the simulation returned NaN");
-    assert!(report.point[0] <= 0.5 && report.value.is_finite(), "{report:?}");
+    assert!(report.point[0] <= 0.5 && report.cost.is_finite(), "{report:?}");
 }
 
 #[test]

@@ -24,6 +24,7 @@ mod pooled_constraints;
 mod pooled_plants;
 mod pooled_saved_state;
 mod problems;
+mod reports;
 mod saved_state;
 mod simulators;
 mod strategies;

@@ -198,7 +198,7 @@ fn dear_simulations_keep_to_their_budget_and_are_emulated() {
             per_ask.push(simulations.len());
             for cell in simulations {
                 let point = campaign.grid().point(cell).expect("a cell of the grid");
-                campaign.tell_simulation(cell, &simulation(cell, &point).into()).expect("a cell of the grid");
+                campaign.tell_simulation(cell, simulation(cell, &point)).expect("a cell of the grid");
             }
             for trial in trials {
                 campaign.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("an outstanding trial");
@@ -231,8 +231,7 @@ fn dear_simulations_that_are_displaced_are_found_out_and_run_elsewhere() {
         assert!(simulations.len() <= 30, "{} simulations", simulations.len());
         for &cell in &simulations {
             let point = campaign.grid().point(cell).expect("a cell of the grid");
-            let outcome = Outcome::Value(wells(point[0] - 0.2, point[1]));
-            campaign.tell_simulation(cell, &outcome).expect("a cell of the grid");
+            campaign.tell_simulation(cell, Ok(wells(point[0] - 0.2, point[1]))).expect("a cell of the grid");
         }
         simulated.extend(simulations);
         let there = |point: &[f64]| {
@@ -993,7 +992,7 @@ fn what_cannot_be_right_is_refused_by_name_and_changes_nothing() {
     assert_eq!(campaign.records(), before);
     campaign.tell(first, Outcome::Value(1.0)).expect("an outstanding trial");
     assert_eq!(campaign.tell(first, Outcome::Value(1.0)), Err(Error::SecondOutcome { id: first }));
-    assert!(campaign.tell_simulation(Cell::new(25), &Outcome::Value(1.0)).is_err());
+    assert!(campaign.tell_simulation(Cell::new(25), Ok(1.0)).is_err());
 }
 
 /// An arbitrary order of the same readings at the same settings says the same: nothing is forgotten, nothing weighs more.
@@ -1210,7 +1209,7 @@ fn simulations_that_were_forgotten_are_asked_for_again() {
         panic!("there is something to run");
     };
     for &cell in &simulations {
-        campaign.tell_simulation(cell, &Outcome::Value(1.0)).expect("a cell of the grid");
+        campaign.tell_simulation(cell, Ok(1.0)).expect("a cell of the grid");
     }
     assert_eq!(campaign.n_simulated(), simulations.len());
     campaign.forget_simulations();

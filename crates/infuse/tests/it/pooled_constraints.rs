@@ -52,9 +52,8 @@ fn campaign(seed: u64, levels: u32, with_simulation: bool) -> Assessment {
     settings.constraints = vec![Constraint::at_most("travel", 1.0)];
     let mut campaign = Loop::new(&square(levels), settings).expect("a campaign");
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut both = |_: Cell, point: &[f64]| {
-        Ok(Responses { objective: rough(point), constrained: vec![Some(rough_travel(point))] })
-    };
+    let mut both =
+        |_: Cell, point: &[f64]| Ok(Responses { cost: rough(point), constrained: vec![Some(rough_travel(point))] });
     while let Ask::Run { trials, .. } = campaign.ask(given(with_simulation, &mut both)).expect("a batch") {
         for trial in trials {
             let response = truth(&trial.point) + 0.02 * normal(&mut rng);
@@ -91,12 +90,11 @@ fn a_campaign_that_runs_by_itself_tells_the_constrained_responses_too() {
         settings.constraints = vec![Constraint::at_most("travel", 1.0)];
         let mut campaign = Loop::new(&square(11), settings).expect("a campaign");
         let mut rng = ChaCha8Rng::seed_from_u64(2);
-        let mut both = |_: Cell, point: &[f64]| {
-            Ok(Responses { objective: rough(point), constrained: vec![Some(rough_travel(point))] })
-        };
+        let mut both =
+            |_: Cell, point: &[f64]| Ok(Responses { cost: rough(point), constrained: vec![Some(rough_travel(point))] });
         let mut rig = |trial: &Trial| {
-            let objective = truth(&trial.point) + 0.02 * normal(&mut rng);
-            Ok(Responses { objective, constrained: vec![Some(travel(&trial.point) + 0.02 * normal(&mut rng))] })
+            let cost = truth(&trial.point) + 0.02 * normal(&mut rng);
+            Ok(Responses { cost, constrained: vec![Some(travel(&trial.point) + 0.02 * normal(&mut rng))] })
         };
         let stop = if with_simulation {
             campaign.run(&mut both, &mut rig).expect("it ends")
@@ -115,7 +113,7 @@ fn constrained_responses_that_cannot_be_end_a_run() {
         let mut settings = Settings::new(4);
         (settings.max_batches, settings.constraints) = (1, vec![Constraint::at_most("travel", 1.0)]);
         let mut campaign = Loop::new(&square(11), settings).expect("a campaign");
-        let responses = Responses { objective: 1.0, constrained };
+        let responses = Responses { cost: 1.0, constrained };
         let ended = campaign.run_without_simulation(&mut |_| Ok(responses.clone()));
         (ended.map_err(|error| error.to_string()), campaign.outstanding().len())
     };
@@ -269,7 +267,7 @@ fn one_reading_of_a_bound_tells_of_no_other_design() {
         (found[0].constrained[0].within, found[0].constrained[0].expected)
     };
     for travel in [4.0, 4.0] {
-        let responses = Responses { objective: 3.0, constrained: vec![Some(travel)] };
+        let responses = Responses { cost: 3.0, constrained: vec![Some(travel)] };
         campaign.add_earlier(&at(0), responses, "before").expect("a valid experiment");
         assert_eq!(within(&mut campaign), (0.5, None));
         assert_eq!(
@@ -278,7 +276,7 @@ fn one_reading_of_a_bound_tells_of_no_other_design() {
             "none is known to keep to it"
         );
     }
-    let responses = Responses { objective: 3.0, constrained: vec![Some(5.0)] };
+    let responses = Responses { cost: 3.0, constrained: vec![Some(5.0)] };
     campaign.add_earlier(&at(1), responses, "before").expect("a valid experiment");
     let (probability, expected) = within(&mut campaign);
     assert!(probability > 0.5 && expected.is_some_and(|(_, deviation)| deviation > 0.01), "{probability} {expected:?}");

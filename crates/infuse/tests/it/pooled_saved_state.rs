@@ -30,7 +30,7 @@ fn simulation(cell: Cell, point: &[f64]) -> Result<Responses, String> {
     if cell.index() % 11 == 3 {
         return Err("it did not converge".to_owned());
     }
-    Ok(Responses { objective: (point[0] - 4.0).powi(2) / 7.0 + point[1], constrained: vec![Some(point[0])] })
+    Ok(Responses { cost: (point[0] - 4.0).powi(2) / 7.0 + point[1], constrained: vec![Some(point[0])] })
 }
 
 /// An awkward rig: some trials fail, one is set elsewhere, of one the second response is not known.
@@ -56,10 +56,7 @@ fn trials(campaign: &mut Loop) -> Vec<Trial> {
         let Ask::Run { trials, simulations } = asked.unwrap() else { return Vec::new() };
         for cell in simulations {
             let point = campaign.grid().point(cell).unwrap();
-            match simulation(cell, &point) {
-                Ok(responses) => campaign.tell_simulated(cell, responses).unwrap(),
-                Err(reason) => campaign.tell_simulation(cell, &Outcome::Failed { reason }).unwrap(),
-            }
+            campaign.tell_simulation(cell, simulation(cell, &point)).unwrap();
         }
         if !trials.is_empty() {
             return trials;
@@ -109,7 +106,7 @@ fn simulations_that_are_due_stay_so_until_they_are_told_or_cheap() {
     assert_eq!(due.len(), 6, "the first ones");
     let mut restored = load(&save(&campaign));
     assert_eq!(restored.due(), due);
-    restored.tell_simulation(due[0], &Outcome::Value(1.0)).unwrap();
+    restored.tell_simulation(due[0], Ok(1.0)).unwrap();
     assert_eq!(restored.due(), &due[1..]);
     let mut cheap = restored.settings().clone();
     cheap.simulations = None;

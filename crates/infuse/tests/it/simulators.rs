@@ -96,8 +96,7 @@ fn what_was_simulated_along_the_way_changes_nothing() {
             campaign.standings(&[Cell::new(4000)], Some(&mut simulate.clone())).expect("a fit");
             let cell = Cell::new(17);
             let point = campaign.grid().point(cell).expect("a cell of the grid");
-            let outcome = Outcome::Value(response(&point) + (5.0 * point[0]).sin());
-            campaign.tell_simulation(cell, &outcome).expect("a cell of the grid");
+            campaign.tell_simulation(cell, Ok(response(&point) + (5.0 * point[0]).sin())).expect("a cell of the grid");
         };
         let (asked_now, said_now, _) = asked_and_said(displaced, curious);
         assert_eq!((asked_now, said_now), (asked, said.clone()), "assessed along the way");

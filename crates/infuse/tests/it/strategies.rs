@@ -55,7 +55,7 @@ fn sequential_misses_the_optimum_of_a_coupled_bowl() {
     let controller = (0.6 + 8.0 * plant) / 9.0;
     assert!((sequential.point[0] - plant).abs() < 1e-6, "{sequential:?}");
     assert!((sequential.point[1] - controller).abs() < 1e-6, "{sequential:?}");
-    assert!(sequential.value > 0.5, "{sequential:?}");
+    assert!(sequential.cost > 0.5, "{sequential:?}");
     // Alternation gains (8/9)² per round here, and stops when a round moves less than the radius.
     check(&iterative, 0.6, 5e-3);
     assert!((iterative.point[0] - 0.6).abs() > 1e-3, "short of it: {iterative:?}");
@@ -88,7 +88,7 @@ fn on_a_crease_only_nested_arrives() {
     let [nested, simultaneous, sequential, iterative] = found;
     check(&nested, 0.6, 2e-3);
     // A smooth model of a crease: the descent along it stalls, with converged radii.
-    assert!(simultaneous.value > 1e-2, "{simultaneous:?}");
+    assert!(simultaneous.cost > 1e-2, "{simultaneous:?}");
     // Every point of the crease near enough to the start is best along either axis.
     check(&sequential, -0.5, 1e-6);
     check(&iterative, -0.5, 1e-6);
@@ -124,7 +124,7 @@ fn the_inner_search_sees_both_basins_of_the_controller_axis() {
     let grid = (0..=400).flat_map(|i| (0..=400).map(move |j| [i, j]));
     let coordinate = |k: i32| f64::from(k - 200) / 200.0;
     let least = grid.map(|[i, j]| two_controllers(&[coordinate(i), coordinate(j)])).fold(f64::INFINITY, f64::min);
-    assert!(report.value <= least + 1e-9, "{report:?}, least of the grid {least}");
+    assert!(report.cost <= least + 1e-9, "{report:?}, least of the grid {least}");
     assert!(report.point[1] > 0.5, "{report:?}");
 }
 

@@ -209,3 +209,12 @@ fn a_whole_number_stays_whole_as_long_as_it_is_exact() {
     assert_eq!(converted("3"), "a = { value = 300, unit = \"m\" }\n");
     assert_eq!(converted("1000000000000000"), "a = { value = 100000000000000000.0, unit = \"m\" }\n");
 }
+
+#[test]
+fn a_conversion_returns_from_json() {
+    let there = convert(&full_scale(), "# a length\nchord = { value = 0.075, unit = \"m\" }\nfin = { unit = \"m\" }\n")
+        .unwrap();
+    assert_eq!((there.converted.len(), there.without_value.len()), (1, 1), "{there:?}");
+    let text = serde_json::to_string(&there).unwrap();
+    assert_eq!(serde_json::from_str::<Conversion>(&text).unwrap(), there, "{text}");
+}

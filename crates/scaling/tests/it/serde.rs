@@ -1,7 +1,7 @@
 //! Systems, groups, set-ups and results in files.
 
 use ::serde::{Serialize, de::DeserializeOwned};
-use scaling::{Dimension, Factor, Group, Groups, Rule, SetUp, Similarity, System, Unit, Units};
+use scaling::{Dimension, Factor, Group, Groups, Rule, ScalingLaw, SetUp, Similarity, System, Unit, Units};
 
 use crate::{TABLE_1, system};
 
@@ -24,6 +24,46 @@ fn everything_worth_keeping_returns_from_json() {
     returns::<Unit>(&Units::si().parse("deg/cm").unwrap());
     let law = system.law(&[("L_t", "3"), ("rho", "1"), ("g", "1")]).unwrap();
     returns::<Rule>(&law.rule("V").unwrap());
+    let text = serde_json::to_string(&law).unwrap();
+    let again: ScalingLaw = serde_json::from_str(&text).unwrap();
+    assert_eq!(again.system(), law.system(), "{text}");
+    assert!(again.given().eq(law.given()), "{text}");
+    assert!(again.rules().eq(law.rules()), "{text}");
+}
+
+#[test]
+fn a_law_is_checked_when_it_is_read() {
+    let law = system(&TABLE_1).law(&[("L_t", "3"), ("rho", "1"), ("g", "1")]).unwrap();
+    let text = serde_json::to_string(&law).unwrap();
+    let refused = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from} in {text}");
+        serde_json::from_str::<ScalingLaw>(&text.replacen(from, to, 1)).unwrap_err().to_string()
+    };
+    assert!(refused(r#",["g","1"]"#, "").contains("do not determine"), "a ratio is missing");
+    assert!(refused(r#"["g","1"]"#, r#"["g","1"],["V","1"]"#).contains("contradict each other"), "one too many");
+    assert!(refused(r#"["g","1"]"#, r#"["g","0"]"#).contains("must be positive"), "no ratio");
+}
+
+/// A row with too few values would be read beyond its end.
+#[test]
+fn a_comparison_is_checked_when_it_is_read() {
+    let groups = system(&TABLE_1).groups(&["L_t", "M_a", "V"]).unwrap();
+    let set_up = |name: &str| TABLE_1.iter().fold(SetUp::new(name), |s, (v, _)| s.with(*v, 0.1));
+    let text =
+        serde_json::to_string(&Similarity::check(&groups, &[set_up("one"), set_up("two")], 0.01).unwrap()).unwrap();
+    let refused = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from} in {text}");
+        serde_json::from_str::<Similarity>(&text.replacen(from, to, 1)).unwrap_err().to_string()
+    };
+    let row = r#""values":["#;
+    let first = &groups.iter().next().unwrap().to_string();
+    assert_eq!(
+        refused(row, r#""values":[0.5,"#).split(" at line").next(),
+        Some(&*format!("{first} has 3 values, expected 2, one per set-up"))
+    );
+    assert!(refused(r#""name":"two""#, r#""name":"one""#).contains("`one` is given twice as a set-up"), "{text}");
+    assert!(refused(r#""tolerance":0.01"#, r#""tolerance":-1.0"#).contains("the tolerance is -1.0"), "{text}");
+    assert!(refused(r#""unit":null"#, r#""unit":null,"unitt":null"#).contains("unknown field `unitt`"), "{text}");
 }
 
 #[test]

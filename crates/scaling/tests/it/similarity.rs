@@ -283,3 +283,15 @@ fn small_values_are_shown_with_five_digits() {
         assert!(table.contains(&format!(" {shown}  ")), "{shown}: {table}");
     }
 }
+
+/// The last digit of such a number is beyond all exponents.
+#[test]
+fn a_printed_number_without_a_last_digit_is_refused() {
+    let units = Units::si();
+    for printed in ["1.0e-9223372036854775808", "1e-99999999999999999999", "1e", "", "1,5", "inf", "NaN"] {
+        let refused = SetUp::new("model 1").printed(&units, "V", printed, "m/s").map_err(|error| error.to_string());
+        let message =
+            format!("set-up \"model 1\", V: the value is \"{printed}\", expected a finite number or a list of them");
+        assert_eq!(refused, Err(message));
+    }
+}

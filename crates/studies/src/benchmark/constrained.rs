@@ -168,10 +168,10 @@ impl Row {
     }
 }
 
-/// A pair for the objective, one for the constraint, and what follows from the truth of both.
+/// A pair for the cost, one for the constraint, and what follows from the truth of both.
 struct Problem {
     case: Case,
-    objective: Pair,
+    cost: Pair,
     constrained: Pair,
     limit: f64,
     best: f64,
@@ -180,10 +180,10 @@ struct Problem {
 impl Problem {
     fn of(case: Case, seed: u64) -> Result<Self> {
         let family = case.family()?;
-        let (objective, constrained) = (family.pair(seed), family.pair(seed + OTHER));
-        let grid = case.task(family, &objective, seed)?.grid;
+        let (cost, constrained) = (family.pair(seed), family.pair(seed + OTHER));
+        let grid = case.task(family, &cost, seed)?.grid;
         let points = grid.cells().map(|cell| Ok(grid.point(cell)?)).collect::<Result<Vec<_>>>()?;
-        let mut problem = Self { case, objective, constrained, limit: f64::INFINITY, best: f64::INFINITY };
+        let mut problem = Self { case, cost, constrained, limit: f64::INFINITY, best: f64::INFINITY };
         let values: Vec<f64> = points.iter().map(|point| problem.limited(point)).collect();
         problem.limit = match case.kind {
             Kind::Numbers | Kind::Choice => page::quantile(&values, ALLOWED).context("designs")?,
@@ -192,8 +192,7 @@ impl Problem {
             Kind::FailingChoice => 0.5,
         };
         let allowed = points.iter().zip(&values).filter(|(_, value)| **value <= problem.limit);
-        problem.best =
-            allowed.map(|(point, _)| (problem.objective.truth)(&case.place(point))).fold(f64::INFINITY, f64::min);
+        problem.best = allowed.map(|(point, _)| (problem.cost.truth)(&case.place(point))).fold(f64::INFINITY, f64::min);
         Ok(problem)
     }
 
@@ -211,14 +210,14 @@ impl Problem {
         // Of failures it knows nothing.
         let is_known = !self.case.kind.fails();
         let constrained = is_known.then(|| Some((self.constrained.simulation)(&place))).into_iter().collect();
-        Responses { objective: (self.objective.simulation)(&place), constrained }
+        Responses { cost: (self.cost.simulation)(&place), constrained }
     }
 }
 
 /// One campaign, a row for each batch.
 pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
     let problem = Problem::of(case, seed)?;
-    let task = case.task(case.family()?, &problem.objective, seed)?;
+    let task = case.task(case.family()?, &problem.cost, seed)?;
     let mut settings = Settings::new(task.n_experiments);
     (settings.max_batches, settings.seed) = (BATCHES, seed);
     let fails = case.kind.fails();
@@ -253,8 +252,8 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
                 let normal: f64 = StandardNormal.sample(&mut rng);
                 value + noise * normal
             };
-            let objective = noisy((problem.objective.truth)(&case.place(&point)), problem.objective.noise);
-            campaign.tell(trial.id, Outcome::Value(objective))?;
+            let cost = noisy((problem.cost.truth)(&case.place(&point)), problem.cost.noise);
+            campaign.tell(trial.id, Outcome::Value(cost))?;
             if !fails {
                 let limited = noisy(problem.limited(&point), problem.constrained.noise);
                 campaign.tell_constrained(trial.id, &[Some(limited)])?;
@@ -271,7 +270,7 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
             promised: found.recommended.constrained.first().map_or(found.recommended.feasible, |one| one.within),
             suffices: found.recommended.suffices,
             keeps: problem.limited(point) <= problem.limit,
-            regret: (problem.objective.truth)(&case.place(point)) - problem.best,
+            regret: (problem.cost.truth)(&case.place(point)) - problem.best,
             bound: found.certificate.bound,
             failed: n_failed as f64 / (batch * task.n_experiments) as f64,
         });

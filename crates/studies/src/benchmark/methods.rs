@@ -141,8 +141,7 @@ fn pooled_campaign(task: &Task<'_>, mut settings: pooled::Settings, told: Told) 
             bail!("the campaign ended before its last batch");
         };
         for cell in simulations {
-            let outcome = Outcome::Value((task.pair.simulation)(&task.grid.point(cell)?));
-            campaign.tell_simulation(cell, &outcome)?;
+            campaign.tell_simulation(cell, Ok((task.pair.simulation)(&task.grid.point(cell)?)))?;
         }
         // Where simulations are dear, some come ahead of all experiments.
         if trials.is_empty() {
@@ -258,7 +257,7 @@ fn simulation_alone(task: &Task<'_>) -> Result<Vec<Step>> {
 }
 
 fn center(task: &Task<'_>) -> Result<Vec<Step>> {
-    let cell = task.grid.nearest(&task.region.center())?;
+    let cell = task.grid.nearest_clamped(&task.region.center())?;
     Ok((0..BATCHES).map(|_| Step::of(cell)).collect())
 }
 

@@ -128,12 +128,12 @@ impl Findings<'_> {
 
     /// Cost of the last design above that of the stand-in's best, in per cent: the regret of the loop.
     pub(crate) fn regret_pct(&self) -> f64 {
-        100.0 * (self.printed().last().cost() / self.best.value - 1.0)
+        100.0 * (self.printed().last().cost() / self.best.cost - 1.0)
     }
 
     /// The largest fall that the stand-in allows from the first row, in per cent.
     pub(crate) fn room_pct(&self) -> f64 {
-        fall_pct(self.printed().first().cost(), self.best.value)
+        fall_pct(self.printed().first().cost(), self.best.cost)
     }
 
     pub(crate) fn failures(&self) -> String {

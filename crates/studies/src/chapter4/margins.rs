@@ -100,7 +100,7 @@ pub(crate) fn physics_table(setup: &Setup, optima: &[CodesignReport], start: &[f
             (*name).to_owned(),
             format!("{:.2}", best.point[0]),
             format!("{:.2}", best.point[1]),
-            format!("{:.3}", best.value),
+            format!("{:.3}", best.cost),
             setup.bat.cost(start, *fidelity).map_or_else(|reason| reason, |cost| format!("{cost:.3}")),
         ]);
     }

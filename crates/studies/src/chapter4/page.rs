@@ -146,7 +146,7 @@ fn iterations(page: &mut Page, findings: &Findings<'_>) {
          cost of {:.3} s; the loop ends {:.1} % above it. Both ends of the valley were calibrated, which leaves room for \
          a fall of at most {:.1} %: that a loop with {} experiments finds its way down there is the prediction.",
         setup.sentence(&findings.best.point),
-        findings.best.value,
+        findings.best.cost,
         findings.regret_pct(),
         findings.room_pct(),
         findings.printed().n_experiments()
@@ -254,7 +254,7 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim], first: &str) -
         side_by_side(m.setup, findings.printed()).markdown(),
         findings.room_pct(),
         m.setup.sentence(&findings.best.point),
-        findings.best.value,
+        findings.best.cost,
         findings.printed().fall_pct(),
         findings.published_fall_pct(),
         findings.calibration_table().markdown(),
@@ -285,7 +285,7 @@ pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     println!(
         "The best design of the stand-in is {} at {:.2} s; the loop ends {:.1} % above it.",
         setup.sentence(&findings.best.point),
-        findings.best.value,
+        findings.best.cost,
         findings.regret_pct()
     );
     let pitch_bound = setup.bounds(1).1;

@@ -34,10 +34,6 @@ impl Optimum {
         let mut settings = OptimizerSettings::default();
         settings.strategy = Strategy::Simultaneous;
         let found = codesign(&problem, &settings, &start, &mut |point| case.bat.cost(point, fidelity))?;
-        Ok(if found.value < cost {
-            Self { point: found.point, cost: found.value }
-        } else {
-            Self { point: start, cost }
-        })
+        Ok(if found.cost < cost { Self { point: found.point, cost: found.cost } } else { Self { point: start, cost } })
     }
 }

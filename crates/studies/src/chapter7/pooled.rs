@@ -82,7 +82,7 @@ impl PooledCampaign {
         while let Ask::Run { trials, simulations } = campaign.ask(None)? {
             let costs = rig.model.costs(&simulations);
             for (cell, cost) in simulations.into_iter().zip(costs) {
-                campaign.tell_simulation(cell, &cost.into())?;
+                campaign.tell_simulation(cell, cost)?;
             }
             if trials.is_empty() {
                 continue;

@@ -48,7 +48,7 @@ pub(super) fn codesign(
         let mut settings = study.loop_settings(&study.file.variant[0]).optimizer;
         settings.strategy = strategy;
         let report = optimize(&study.problem, &settings, &start, &mut |point| simulate(point))?;
-        for (what, value) in [("simulations", report.n_simulations as f64), ("cost_s", report.value)] {
+        for (what, value) in [("simulations", report.n_simulations as f64), ("cost_s", report.cost)] {
             let name = format!("{name}_{what}");
             facts.push(Fact { study: Study::Chapter4, world: World::Still, name, value });
         }

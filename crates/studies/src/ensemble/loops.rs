@@ -134,7 +134,7 @@ pub(super) fn pooled_loop(task: &Task<'_>, seed: u64) -> Result<Vec<Step>> {
     while let Ask::Run { trials, simulations } = campaign.ask(None)? {
         let costs = task.model.costs(&simulations);
         for (cell, cost) in simulations.into_iter().zip(costs) {
-            campaign.tell_simulation(cell, &cost.into())?;
+            campaign.tell_simulation(cell, cost)?;
         }
         if trials.is_empty() {
             continue;

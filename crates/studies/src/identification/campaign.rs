@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use infuse::gradient::{IdentifyingLoop, Mechanism};
-use infuse::identification::{Bound, Identification};
+use infuse::identification::{Identification, RangeEnd};
 use water_channel::BoundedNoise;
 
 use super::file::Study;
@@ -45,7 +45,7 @@ fn kept(found: &Identification) -> Found {
     let unknown = |estimate: &infuse::identification::Estimate| KeptUnknown {
         value: estimate.value,
         standard_error: estimate.standard_error,
-        bound: estimate.bound.map(|bound| if bound == Bound::Lower { "lower" } else { "upper" }.to_owned()),
+        bound: estimate.bound.map(|bound| if bound == RangeEnd::Lower { "lower" } else { "upper" }.to_owned()),
     };
     Found {
         unknowns: found.estimates.iter().map(unknown).collect(),

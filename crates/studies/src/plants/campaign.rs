@@ -104,7 +104,7 @@ fn asked(case: &Case, campaign: &mut Loop) -> Result<Vec<Trial>> {
     loop {
         let Ask::Run { trials, simulations } = campaign.ask(None)? else { bail!("the campaign ended early") };
         for (&cell, cost) in simulations.iter().zip(case.simulated(&simulations)?) {
-            campaign.tell_simulation(cell, &cost.into())?;
+            campaign.tell_simulation(cell, cost)?;
         }
         if !trials.is_empty() {
             return Ok(trials);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, Mat, Par, Side};
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::Error;
@@ -94,12 +95,50 @@ impl<'a> Problem<'a> {
 }
 
 /// Estimates of the response at places, without noise.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedEstimates")]
 pub struct Marginals {
     /// Means, in the unit of the response.
     pub means: Vec<f64>,
     /// Variances, in its square.
     pub variances: Vec<f64>,
+}
+
+/// Means with their variances as they stand in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct UncheckedEstimates {
+    means: Vec<f64>,
+    variances: Vec<f64>,
+}
+
+impl UncheckedEstimates {
+    fn checked(self) -> Result<(Vec<f64>, Vec<f64>), Error> {
+        let (expected, found) = (self.means.len(), self.variances.len());
+        if found != expected {
+            return Err(Error::Length { name: "variances", expected, found });
+        }
+        match self.variances.iter().find(|variance| variance.is_nan() || **variance < 0.0) {
+            Some(&value) => Err(Error::Parameter { name: "variance", value, expected: "0 or more" }),
+            None => Ok((self.means, self.variances)),
+        }
+    }
+}
+
+impl TryFrom<UncheckedEstimates> for Marginals {
+    type Error = Error;
+
+    fn try_from(read: UncheckedEstimates) -> Result<Self, Error> {
+        read.checked().map(|(means, variances)| Self { means, variances })
+    }
+}
+
+impl TryFrom<UncheckedEstimates> for Contrast {
+    type Error = Error;
+
+    fn try_from(read: UncheckedEstimates) -> Result<Self, Error> {
+        read.checked().map(|(means, variances)| Self { means, variances })
+    }
 }
 
 impl Marginals {
@@ -127,7 +166,8 @@ impl Marginals {
 }
 
 /// Differences of the response at places to that at the first of them, without noise.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedEstimates")]
 pub struct Contrast {
     /// Means, in the unit of the response; 0 at the first place.
     pub means: Vec<f64>,

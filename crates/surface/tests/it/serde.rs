@@ -1,7 +1,10 @@
 //! Surfaces and data in files.
 
 use doe::Model;
-use surface::{Confounded, Data, InverseDistance, Kind, Regression, SquaredExponential};
+use surface::process::{Contrast, Marginals};
+use surface::{
+    Confounded, Data, InverseDistance, Kind, LeaveOneOut, Regression, Rows, SquaredExponential, Surface as _,
+};
 
 fn data() -> Data {
     let data = Data::new(1, vec![-1.0, 0.0, 0.1, 1.0], vec![1.0 / 3.0, 0.1, 0.7, 2.0]);
@@ -63,4 +66,27 @@ fn what_is_read_is_checked() {
     assert!(ragged.contains("number of coordinates of a point: 2, expected 1"), "{ragged}");
     let unknown = refused(r#"{"data":{"points":[[0]],"values":[4]},"power":1,"exponent":2}"#);
     assert!(unknown.contains("unknown field `exponent`"), "{unknown}");
+}
+
+/// What a surface says of points comes back as it was, and what cannot be is refused.
+#[test]
+fn what_a_surface_says_comes_back_the_same() {
+    let surface = InverseDistance::fit(data(), 2.5).expect("a valid power");
+    check(&surface.leave_one_out().expect("three points"));
+    check(&Marginals { means: vec![1.0 / 3.0, -0.1], variances: vec![0.1, 0.0] });
+    check(&Contrast { means: vec![0.0, 0.7], variances: vec![0.0, 1.0 / 7.0] });
+    let rows = Rows::new(1, &[-1.0, 0.3]).expect("two points");
+    check(&surface.minimum_over(&rows).expect("one factor").expect("an estimate"));
+    let short = serde_json::from_str::<LeaveOneOut>(r#"{"residuals":[0.1,0.2],"weights":[1.0]}"#);
+    assert!(
+        short.is_err_and(|error| error.to_string().starts_with("number of weights: 1, expected 2")),
+        "a weight is missing"
+    );
+    let short = serde_json::from_str::<Contrast>(r#"{"means":[0.1,0.2],"variances":[1.0]}"#);
+    assert!(
+        short.is_err_and(|error| error.to_string().starts_with("number of variances: 1, expected 2")),
+        "one is missing"
+    );
+    let negative = serde_json::from_str::<Marginals>(r#"{"means":[0.1],"variances":[-1.0]}"#);
+    assert!(negative.is_err_and(|error| error.to_string().contains("is -1.0, expected 0 or more")), "no variance");
 }

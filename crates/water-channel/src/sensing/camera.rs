@@ -63,9 +63,9 @@ impl Region {
 impl Camera {
     /// The camera ready to project, checked; `index` is its place among the cameras.
     pub(crate) fn eye(&self, index: usize) -> Result<Eye, Error> {
-        let refuse = |field: &str, value: String, allowed| {
+        let refuse = |field: &str, value: String, expected| {
             let field = format!("camera[{index}].{field} of `{}`", self.name);
-            Err(Error::Sensing { field, value, allowed })
+            Err(Error::Sensing { field, value, expected })
         };
         for (name, value) in ["x", "y", "z", "roll", "pitch", "heading"].into_iter().zip(self.pose.numbers()) {
             if !value.is_finite() {
@@ -84,8 +84,8 @@ impl Camera {
             ("top and bottom", top_px, bottom_px, self.height_px),
         ] {
             if !(from >= 0.0 && from < to && to <= size) {
-                let allowed = "a region of interest within the image, the first less than the second";
-                return refuse(name, format!("{from} and {to} px"), allowed);
+                let expected = "a region of interest within the image, the first less than the second";
+                return refuse(name, format!("{from} and {to} px"), expected);
             }
         }
         let rows = self.pose.rows_gb();

@@ -28,8 +28,8 @@ pub(crate) struct Mark<T = f64> {
 pub(crate) fn marks(dots: &[Dot], reference_m: [f64; 3]) -> Result<Vec<Mark>, Error> {
     let mut marks: Vec<Mark> = Vec::with_capacity(dots.len());
     for (index, dot) in dots.iter().enumerate() {
-        let refuse = |field: &str, value: String, allowed| {
-            Err(Error::Sensing { field: format!("dot[{index}].{field}"), value, allowed })
+        let refuse = |field: &str, value: String, expected| {
+            Err(Error::Sensing { field: format!("dot[{index}].{field}"), value, expected })
         };
         let place = minus(dot.position_m, reference_m);
         if !place.iter().all(|x| x.is_finite()) {

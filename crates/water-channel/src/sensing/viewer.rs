@@ -39,7 +39,7 @@ impl Viewer {
     /// than 10,000 samples, and any number that is not finite.
     pub fn new(sensing: &Sensing, reference_m: [f64; 3]) -> Result<Self, Error> {
         let refuse =
-            |field: &str, value: String, allowed| Err(Error::Sensing { field: field.to_owned(), value, allowed });
+            |field: &str, value: String, expected| Err(Error::Sensing { field: field.to_owned(), value, expected });
         let Sensing { cameras, dots, pixel_noise_px, quantization_px, delay_samples, seed } = sensing;
         if cameras.is_empty() {
             return refuse("camera", "none".to_owned(), "at least one camera");

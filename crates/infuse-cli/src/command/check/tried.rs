@@ -57,7 +57,7 @@ fn designs(problem: &Problem, grid: &Grid) -> Result<Vec<Vec<f64>>> {
     for share in SHARES {
         let parameters = problem.region.parameters().iter();
         let middle: Vec<f64> = parameters.map(|one| one.lower() + share * one.width()).collect();
-        points.push(grid.point(grid.nearest(&middle)?)?);
+        points.push(grid.point(grid.nearest_clamped(&middle)?)?);
     }
     points.retain(|point| is_allowed(problem, point));
     let others = (1..LOOKED_AT.min(n)).filter_map(|k| grid.point(Cell::new(spread(k, n))).ok());

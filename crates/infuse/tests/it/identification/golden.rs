@@ -1,7 +1,7 @@
 //! Against scipy's bounded least squares (`fixtures/infuse/identification.json`).
 
 use design_space::{Parameter, Region};
-use infuse::identification::{Answer, Bound, Measurements, Noise, Settings, Unknowns, identify};
+use infuse::identification::{Answer, Measurements, Noise, RangeEnd, Settings, Unknowns, identify};
 use serde::Deserialize;
 
 use super::each;
@@ -87,7 +87,8 @@ fn check(case: &Case, noise: Noise, name: &str) {
     assert!(found.undetermined.is_empty(), "{name}: {:?}", found.undetermined);
     for (j, estimate) in found.estimates.iter().enumerate() {
         close(estimate.value, case.estimate[j], 1e-6 * (case.upper[j] - case.lower[j]), &format!("{name}, t{j}"));
-        let bound = case.bound[j].as_ref().map(|bound| if bound == "lower" { Bound::Lower } else { Bound::Upper });
+        let bound =
+            case.bound[j].as_ref().map(|bound| if bound == "lower" { RangeEnd::Lower } else { RangeEnd::Upper });
         assert_eq!(estimate.bound, bound, "{name}, t{j}");
         assert_eq!(estimate.standard_error.is_some(), case.standard_error[j].is_some(), "{name}, t{j}");
         if let (Some(found), Some(expected)) = (estimate.standard_error, case.standard_error[j]) {

@@ -1,6 +1,6 @@
 //! A straight line: everything has a closed form. And what a line cannot tell.
 
-use infuse::identification::{Answer, Bound, Identification, Noise, Settings, identify};
+use infuse::identification::{Answer, Identification, Noise, RangeEnd, Settings, identify};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -129,7 +129,7 @@ fn an_optimum_outside_ends_at_the_bound_and_says_so() {
     let pairs: Vec<(f64, f64)> = XS.iter().map(|x| (*x, 1.0 + 2.0 * x)).collect();
     let theta = unknowns(&[(1.5, 9.0, 2.0), (-9.0, 9.0, 0.0)]);
     let found = identify(&theta, &readings(&pairs, 0.1), &Settings::default(), &mut each(line)).unwrap();
-    assert_eq!(found.estimates[0].bound, Some(Bound::Lower));
+    assert_eq!(found.estimates[0].bound, Some(RangeEnd::Lower));
     assert!((found.estimates[0].value - 1.5).abs() < 1e-300, "the bound itself");
     // With the intercept known the slope is Σ x (y − 1.5) / Σ x².
     let squares: f64 = XS.iter().map(|x| x * x).sum();
