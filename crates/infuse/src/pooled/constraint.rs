@@ -3,10 +3,8 @@
 use design_space::Region;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
-use surface::process::SamplerSettings;
 
 use crate::Error;
-use crate::pooled::settings::Settings;
 
 /// A response that has to stay within bounds: a second thing that each experiment measures.
 #[non_exhaustive]
@@ -82,11 +80,6 @@ impl Constraint {
             Some(noise) => fault("noise", noise, "a number from 0 to 1e100"),
             None => Ok(()),
         }
-    }
-
-    /// How its surface is learnt.
-    pub(crate) fn sampler(&self, settings: &Settings) -> SamplerSettings {
-        SamplerSettings { noise: self.noise, ..settings.sampler() }
     }
 
     /// Probability that a normal quantity keeps to it.

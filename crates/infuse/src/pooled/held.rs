@@ -54,7 +54,7 @@ impl Held {
         let places = source.known_places(designs, &cells, simulated, column)?;
         let all: Vec<&Reading> = readings.iter().collect();
         let sites = Reading::sites(&all, designs, settings.plants.as_ref(), &places)?;
-        let process = AveragedProcess::new(sites, &constraint.sampler(settings))?;
+        let process = AveragedProcess::new(sites, &settings.sampler_of(&constraint))?;
         Ok(Self { constraint, column, process: Some(process) })
     }
 
@@ -76,7 +76,7 @@ impl Held {
         places: &Places,
         settings: &Settings,
     ) -> Result<Option<Drift>, Error> {
-        let sampler = self.constraint.sampler(settings);
+        let sampler = settings.sampler_of(&self.constraint);
         let of = |process: &AveragedProcess| Drift::of(readings, blocks, places, process.particles(), &sampler);
         self.process.as_ref().map_or(Ok(None), of)
     }

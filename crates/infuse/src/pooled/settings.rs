@@ -158,6 +158,11 @@ impl Settings {
         }
     }
 
+    /// How the surface of a constrained response is learnt.
+    pub(crate) fn sampler_of(&self, constraint: &Constraint) -> SamplerSettings {
+        SamplerSettings { noise: constraint.noise, ..self.sampler() }
+    }
+
     /// Whether every setting is usable in this region.
     ///
     /// # Errors
