@@ -849,7 +849,7 @@ fn a_rig_that_drifts_is_said_to_and_taken_in() {
         for found in [&always, &by_itself].into_iter().filter(|found| found.assembly.is_some()) {
             assert!(truth(&found.recommended.point) <= 0.05, "seed {seed}: {found:?}");
             let shared = found.assembly.expect("an error that is shared");
-            assert!((0.04..0.4).contains(&shared) && found.noise < 0.03, "seed {seed}: {shared} {}", found.noise);
+            assert!((0.04..0.4).contains(&shared) && found.noise < 0.05, "seed {seed}: {shared} {}", found.noise);
             let by: Vec<f64> = found.shifts.iter().map(|shift| shift.by).collect();
             assert!((by[1] - by[2] - 0.2).abs() < 0.05 && found.shifts[3].n_readings == 10, "seed {seed}: {by:?}");
         }
