@@ -44,15 +44,7 @@ pub(crate) fn exp_of_minus<const L: usize, const N: usize>(e: &[[f64; L]; N]) ->
             r[row][lane] = minus_n * LN_2_LOW + (minus_n * LN_2_HIGH - e[row][lane]);
         }
     }
-    let mut q = [[COEFFICIENTS[9]; L]; N];
-    // A loop that the compiler knows all of is written out by it, lane by lane.
-    for &coefficient in std::hint::black_box(&COEFFICIENTS[..9]).iter().rev() {
-        for row in 0..N {
-            for lane in 0..L {
-                q[row][lane] = q[row][lane] * r[row][lane] + coefficient;
-            }
-        }
-    }
+    let mut q = polynomial(&COEFFICIENTS, &r, |a, b, c| a * b + c);
     for row in 0..N {
         for lane in 0..L {
             let r = r[row][lane];
@@ -94,18 +86,30 @@ pub(crate) fn short_exp_of_minus<const L: usize, const N: usize>(rate: f64, s: &
             r[row][lane] = s.mul_add(-per_power, minus_n);
         }
     }
-    let mut q = [[SHORTER[8]; L]; N];
-    for &coefficient in std::hint::black_box(&SHORTER[..8]).iter().rev() {
-        for row in 0..N {
-            for lane in 0..L {
-                q[row][lane] = q[row][lane].mul_add(r[row][lane], coefficient);
-            }
-        }
-    }
+    let mut q = polynomial(&SHORTER, &r, f64::mul_add);
     for row in 0..N {
         for lane in 0..L {
             let mantissa = q[row][lane].mul_add(r[row][lane], 1.0);
             q[row][lane] = times_power_of_two(mantissa, shifted[row][lane]);
+        }
+    }
+    q
+}
+
+/// A polynomial of each number, by its coefficients, the constant first, and by how a product and a sum are rounded.
+#[inline(always)]
+fn polynomial<const L: usize, const N: usize, const M: usize>(
+    coefficients: &[f64; M],
+    r: &[[f64; L]; N],
+    times_plus: impl Fn(f64, f64, f64) -> f64,
+) -> [[f64; L]; N] {
+    let mut q = [[coefficients[M - 1]; L]; N];
+    // A loop that the compiler knows all of is written out by it, lane by lane.
+    for &coefficient in std::hint::black_box(&coefficients[..M - 1]).iter().rev() {
+        for row in 0..N {
+            for lane in 0..L {
+                q[row][lane] = times_plus(q[row][lane], r[row][lane], coefficient);
+            }
         }
     }
     q
