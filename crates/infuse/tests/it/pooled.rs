@@ -846,10 +846,12 @@ fn a_rig_that_drifts_is_said_to_and_taken_in() {
         assert!(always.drift.is_none() && left.assembly.is_none() && left.shifts.is_empty(), "seed {seed}");
         assert_eq!(is_sure(&by_itself), by_itself.assembly.is_some(), "seed {seed}: {by_itself:?}");
         taken_in += usize::from(by_itself.assembly.is_some());
-        for found in [&always, &by_itself].into_iter().filter(|found| found.assembly.is_some()) {
+        // Until it is found out, runs are chosen as if all were noise.
+        let taken = [(&always, 0.03), (&by_itself, 0.05)];
+        for (found, most_noise) in taken.into_iter().filter(|(found, _)| found.assembly.is_some()) {
             assert!(truth(&found.recommended.point) <= 0.05, "seed {seed}: {found:?}");
             let shared = found.assembly.expect("an error that is shared");
-            assert!((0.04..0.4).contains(&shared) && found.noise < 0.05, "seed {seed}: {shared} {}", found.noise);
+            assert!((0.04..0.4).contains(&shared) && found.noise < most_noise, "seed {seed}: {shared} {}", found.noise);
             let by: Vec<f64> = found.shifts.iter().map(|shift| shift.by).collect();
             assert!((by[1] - by[2] - 0.2).abs() < 0.05 && found.shifts[3].n_readings == 10, "seed {seed}: {by:?}");
         }
