@@ -82,7 +82,7 @@ pub(crate) struct Reserve {
     pub(crate) n_left: usize,
 }
 
-/// An experiment from before the campaign that is in use.
+/// An experiment from before the campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Imported {
     pub(crate) point: Vec<f64>,
@@ -90,13 +90,14 @@ pub(crate) struct Imported {
     /// Of the responses that have to stay within bounds.
     pub(crate) constrained: Constrained,
     pub(crate) source: String,
+    /// What a person wrote beside it.
     pub(crate) note: String,
 }
 
 impl Imported {
-    /// Whether these are its settings and results, too.
-    pub(crate) fn is_alike(&self, point: &[f64], result: &Measured, constrained: &Constrained) -> bool {
-        self.point == point && self.result == *result && self.constrained == *constrained
+    /// Whether another has its settings and results, too.
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        (&self.point, &self.result, &self.constrained) == (&other.point, &other.result, &other.constrained)
     }
 }
 

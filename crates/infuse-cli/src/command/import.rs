@@ -30,8 +30,11 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: Option<
         (true, Some(_)) => of_campaign(file, folder, campaign.problem())?,
         (false, _) => TakenOver { found: sheet::imported(file, campaign.problem(), source)?, n_left_out: 0 },
     };
-    let in_use = campaign.imported();
-    let is_known = |one: &&sheet::Imported| alike(&in_use, one).any(|earlier| earlier.source == source_of(one, source));
+    let found: Vec<Imported> =
+        found.into_iter().map(|one| Imported { source: source_of(&one, source), ..one }).collect();
+    let mut all = campaign.imported();
+    let n_in_use = all.len();
+    let is_known = |one: &&Imported| all.iter().any(|earlier| earlier.source == one.source && earlier.is_alike(one));
     if let Some(known) = found.iter().find(is_known) {
         bail!(
             "{}: {} with {} is in the journal already, from the same source; nothing was taken",
@@ -40,12 +43,12 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: Option<
             known.result.value().map_or_else(|| "no value".to_owned(), plain)
         );
     }
-    let elsewhere = from_elsewhere(&in_use, &found, source);
-    let beyond = beyond_the_region(&found, &campaign.problem().region, source);
+    let beyond = beyond_the_region(&found, &campaign.problem().region);
+    all.extend(found.iter().cloned());
+    let elsewhere = Twice::among(&all, n_in_use);
     let (rows, at, from) = (found.len(), now(), file.display().to_string());
     let events = found.into_iter().enumerate().map(|(index, one)| {
-        let source = source_of(&one, source);
-        let sheet::Imported { point, result, constrained, note, .. } = one;
+        let Imported { point, result, constrained, source, note } = one;
         let units = campaign.problem().units_of(&constrained);
         Event::Imported {
             row: index + 1,
@@ -79,11 +82,11 @@ fn left_out(n: usize) -> Option<Finding> {
 }
 
 /// That settings lie somewhat outside of the bounds; those that lie far outside are refused with the table.
-fn beyond_the_region(found: &[sheet::Imported], region: &Region, source: Option<&str>) -> Option<Finding> {
+fn beyond_the_region(found: &[Imported], region: &Region) -> Option<Finding> {
     let is_beyond = |(parameter, value): &(&Parameter, &f64)| {
         parameter.choices().is_none() && !(parameter.lower()..=parameter.upper()).contains(*value)
     };
-    let beyond = |one: &&sheet::Imported| region.parameters().iter().zip(&one.point).any(|pair| is_beyond(&pair));
+    let beyond = |one: &&Imported| region.parameters().iter().zip(&one.point).any(|pair| is_beyond(&pair));
     let first = found.iter().find(beyond)?;
     let n = found.iter().filter(beyond).count();
     let (parameter, value) = region.parameters().iter().zip(&first.point).find(is_beyond)?;
@@ -96,7 +99,7 @@ fn beyond_the_region(found: &[sheet::Imported], region: &Region, source: Option<
         plain(parameter.lower()),
         with_unit(&plain(parameter.upper()), unit),
         if n == 1 { "It counts" } else { "They count" },
-        source_of(first, source)
+        first.source
     );
     Some(Finding::new(sentence).with("rows outside of the bounds", n as f64, "1"))
 }
@@ -122,28 +125,8 @@ pub(crate) fn withdraw(folder: &Path, wait: Duration, source: &str) -> Result<Ou
     Ok(Output::new(&[withdrawn(n)], json!({ "withdrawn": n }), notices))
 }
 
-/// Rows with the settings and results of others from another source, imported before or of the same table.
-fn from_elsewhere(in_use: &[Imported], found: &[sheet::Imported], source: Option<&str>) -> Vec<Twice> {
-    let twice = |(at, one): (usize, &sheet::Imported)| {
-        let own = source_of(one, source);
-        let is_like = |earlier: &&sheet::Imported| {
-            let as_it_counts = (&earlier.point, &earlier.result, &earlier.constrained);
-            as_it_counts == (&one.point, &one.result, &one.constrained) && source_of(earlier, source) != own
-        };
-        let before = alike(in_use, one).map(|earlier| earlier.source.clone()).next();
-        let beside = || found[..at].iter().find(is_like).map(|earlier| source_of(earlier, source));
-        Some((before.or_else(beside)?, own))
-    };
-    Twice::of(found.iter().enumerate().filter_map(twice))
-}
-
-/// Those that are used of the same settings and results.
-fn alike<'a>(in_use: &'a [Imported], one: &'a sheet::Imported) -> impl Iterator<Item = &'a Imported> {
-    in_use.iter().filter(|earlier| earlier.is_alike(&one.point, &one.result, &one.constrained))
-}
-
 /// The name of all rows, and then that of the row itself: one of them is there.
-fn source_of(one: &sheet::Imported, source: Option<&str>) -> String {
+fn source_of(one: &Imported, source: Option<&str>) -> String {
     match source {
         Some(source) if one.source.is_empty() => source.to_owned(),
         Some(source) => format!("{source}: {}", one.source),

@@ -12,9 +12,8 @@ use crate::sheet::{Answer, answers};
 /// That a sheet would tell again what was taken back and not told since; a sheet that cannot be read tells nothing.
 pub(super) fn still_in_the_sheet(campaign: &dyn Campaign, journal: &Journal, sheet: &Path) -> Option<String> {
     let experiments = campaign.experiments();
-    let told = journal.all.iter().filter(|(line, _)| journal.taken_back.contains(line));
-    let told = told.filter_map(|(_, event)| if let Event::Told(told) = event { Some(told) } else { None });
-    let taken_back: Vec<&Told> = told.filter(|told| !counts(experiments, told)).collect();
+    let taken_back = told(journal).filter(|(line, _)| journal.taken_back.contains(line)).map(|(_, told)| told);
+    let taken_back: Vec<&Told> = taken_back.filter(|told| !counts(experiments, told)).collect();
     if taken_back.is_empty() {
         return None;
     }
@@ -33,10 +32,16 @@ pub(super) fn still_in_the_sheet(campaign: &dyn Campaign, journal: &Journal, she
 /// The experiments of which a sheet has results that the journal never had, taken back or not.
 pub(super) fn never_told(campaign: &dyn Campaign, journal: &Journal, sheet: &Path) -> Result<BTreeSet<u64>> {
     let filled = answers(sheet, campaign.problem(), &campaign.experiments().trials)?.filled;
-    let told =
-        || journal.all.iter().filter_map(|(_, event)| if let Event::Told(told) = event { Some(told) } else { None });
-    let untold = filled.iter().filter(|answer| !told().any(|told| is_same(answer, told)));
+    let untold = filled.iter().filter(|answer| !told(journal).any(|(_, told)| is_same(answer, told)));
     Ok(untold.map(|answer| answer.id).collect())
+}
+
+/// All that was ever told, with its lines.
+fn told(journal: &Journal) -> impl Iterator<Item = (usize, &Told)> {
+    journal
+        .all
+        .iter()
+        .filter_map(|(line, event)| if let Event::Told(told) = event { Some((*line, told)) } else { None })
 }
 
 /// Whether there is a result of this run.

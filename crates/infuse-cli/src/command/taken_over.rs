@@ -5,12 +5,12 @@ use std::path::Path;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use design_space::Parameter;
 
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, Imported};
 use crate::folder;
 use crate::journal::{Constrained, Measured};
 use crate::number::plain;
 use crate::problem::{PROBLEM, Problem};
-use crate::sheet::{Imported, setting_fault};
+use crate::sheet::setting_fault;
 
 /// Its experiments, and how many of them are of settings that are of no use here.
 #[derive(Debug)]

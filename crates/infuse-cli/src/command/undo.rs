@@ -24,8 +24,7 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
     // A campaign that has not begun is not begun by this.
     last_of(folder)?;
     let (campaign, mut writer) = folder::open(folder, wait)?;
-    let (mut journal, last) = last_of(folder)?;
-    let (all, notices) = (journal.all.clone(), std::mem::take(&mut journal.notices));
+    let (Journal { all, notices, .. }, last) = last_of(folder)?;
     ensure!(
         n_lines.is_none_or(|n_lines| n_lines == all.len()),
         "something was written down since: nothing was taken back, look again at what would be"
@@ -37,9 +36,10 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
         .context("it cannot be taken back, as what is left would be no campaign")?;
     writer.add(std::slice::from_ref(&undone))?;
     let mut notices = after.take_notices();
+    let journal = Journal::read(folder)?;
     notices.extend(sheet_left(&*campaign, &journal, &last));
     notices.extend(runs_left(&*campaign, &last));
-    notices.extend(still_in_sheets(&*after, &Journal::read(folder)?));
+    notices.extend(still_in_sheets(&*after, &journal));
     let sentence = format!("Taken back: {}.", in_words(&last));
     let findings = [
         Finding::new(sentence).with("lines taken back", last.events.len() as f64, "1"),

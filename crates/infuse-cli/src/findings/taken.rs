@@ -2,6 +2,7 @@
 
 use page::Finding;
 
+use crate::campaign::Imported;
 use crate::number::count;
 
 /// Results taken, and rows that were known before or are still empty.
@@ -61,16 +62,19 @@ pub(crate) struct Twice {
 }
 
 impl Twice {
-    /// Of pairs of an earlier source and the one of an experiment that is like one of it: each pair once, in their order.
-    pub(crate) fn of(pairs: impl IntoIterator<Item = (String, String)>) -> Vec<Self> {
-        let mut all: Vec<Self> = Vec::new();
-        for (earlier, source) in pairs {
-            match all.iter_mut().find(|twice| twice.earlier == earlier && twice.source == source) {
+    /// Of experiments from this place on, those with the settings and results of an earlier one from another source: each pair of sources once,
+    /// in their order.
+    pub(crate) fn among(all: &[Imported], from: usize) -> Vec<Self> {
+        let mut found: Vec<Self> = Vec::new();
+        for (at, one) in all.iter().enumerate().skip(from) {
+            let is_like = |earlier: &&Imported| earlier.source != one.source && earlier.is_alike(one);
+            let Some(Imported { source: earlier, .. }) = all[..at].iter().find(is_like) else { continue };
+            match found.iter_mut().find(|twice| twice.earlier == *earlier && twice.source == one.source) {
                 Some(twice) => twice.n += 1,
-                None => all.push(Self { earlier, source, n: 1 }),
+                None => found.push(Self { earlier: earlier.clone(), source: one.source.clone(), n: 1 }),
             }
         }
-        all
+        found
     }
 
     /// "6 rows from `copy` have settings and results of others from `notebook`, and count as runs of their own".

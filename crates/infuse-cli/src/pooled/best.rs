@@ -8,7 +8,7 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use super::bands::resolution;
-use super::campaign::{Campaign, Origin, source_of_further};
+use super::campaign::{Campaign, Origin};
 use super::drift::named_block;
 use crate::campaign::Reading;
 use crate::wording::all_of;
@@ -35,19 +35,21 @@ pub(super) struct Off {
     blocks: Vec<Block>,
 }
 
+/// Whether results are compared without what their batches are off by. Of one block alone nobody knows how far it is off.
+pub(super) fn has_shifts(found: &Assessment) -> bool {
+    found.shifts.len() > 1
+}
+
 impl Off {
-    /// Of runs of these blocks. Of one block alone nobody knows how far it is off.
+    /// Of runs of these blocks.
     fn of(found: &Assessment, blocks: &[Block]) -> Self {
-        if found.shifts.len() < 2 {
+        if !has_shifts(found) {
             return Self::default();
         }
         let shift =
             |block: &Block| found.shifts.iter().find(|shift| shift.block == *block).map_or(0.0, |shift| shift.by);
         let by = blocks.iter().map(shift).sum::<f64>() / blocks.len().max(1) as f64;
-        let mut blocks = blocks.to_vec();
-        blocks.sort();
-        blocks.dedup();
-        Self { by, blocks }
+        Self { by, blocks: each_once(blocks.to_vec()) }
     }
 
     /// ", in batch 2, which reads 1.1 mm below what is expected of it"; nothing where nothing is taken in.
@@ -138,11 +140,11 @@ impl Campaign {
 
     /// By how much the runs of an experiment are off.
     pub(super) fn off_of(&self, found: &Assessment, id: u64, reading: &Reading) -> Off {
-        let first = reading.first.iter().filter(|result| result.value().is_some());
-        let first = first.filter_map(|_| Some(Block::Batch(self.experiments.trial(id).ok()?.batch)));
-        let further = reading.again.values().filter(|result| result.value().is_some());
-        let further = further.map(|_| Block::Source(source_of_further(id)));
-        Off::of(found, &first.chain(further).collect::<Vec<_>>())
+        let first = reading.first.iter().map(|result| (result, false));
+        let runs = first.chain(reading.again.values().map(|result| (result, true)));
+        let runs = runs.filter(|(result, _)| result.value().is_some());
+        let blocks: Vec<Block> = runs.map(|(_, is_further)| self.block_of(Origin::Own(id), is_further)).collect();
+        Off::of(found, &blocks)
     }
 
     /// By how much the readings of the loop are off that are meant, by their places.
@@ -155,19 +157,6 @@ impl Campaign {
     pub(super) fn shifts_of_readings(&self, found: &Assessment) -> Vec<f64> {
         self.blocks().into_iter().map(|block| Off::of(found, &[block]).by).collect()
     }
-
-    /// The block of each reading of the loop, in its order.
-    fn blocks(&self) -> Vec<Block> {
-        let origins = self.origins();
-        let first = self.experiments.readings.values().filter_map(|reading| reading.first.as_ref()?.value());
-        let n_before = origins.len() - first.count();
-        let block = |(at, origin): (usize, Origin)| match origin {
-            Origin::Imported(index) => Block::Source(self.imported[index].source.clone()),
-            Origin::Own(id) if at < n_before => Block::Source(source_of_further(id)),
-            Origin::Own(id) => Block::Batch(self.experiments.trial(id).map_or(0, |trial| trial.batch)),
-        };
-        origins.into_iter().enumerate().map(block).collect()
-    }
 }
 
 /// All runs of a design in one, the best of them first.
@@ -175,9 +164,13 @@ fn of_design(runs: &[BestMeasured]) -> Option<BestMeasured> {
     let n_runs = runs.iter().map(|one| one.n_runs).sum::<usize>();
     let mean =
         |of: fn(&BestMeasured) -> f64| runs.iter().map(|one| of(one) * one.n_runs as f64).sum::<f64>() / n_runs as f64;
-    let mut blocks: Vec<Block> = runs.iter().flat_map(|one| one.off.blocks.clone()).collect();
+    let blocks = runs.iter().flat_map(|one| one.off.blocks.clone()).collect();
+    let off = Off { by: mean(|one| one.off.by), blocks: each_once(blocks) };
+    Some(BestMeasured { cost: mean(|one| one.cost), n_runs, off, ..runs.first()?.clone() })
+}
+
+fn each_once(mut blocks: Vec<Block>) -> Vec<Block> {
     blocks.sort();
     blocks.dedup();
-    let off = Off { by: mean(|one| one.off.by), blocks };
-    Some(BestMeasured { cost: mean(|one| one.cost), n_runs, off, ..runs.first()?.clone() })
+    blocks
 }

@@ -10,6 +10,7 @@ use anyhow::{Result, anyhow, bail, ensure};
 use design_space::{Cell, Grid};
 use indicatif::ProgressBar;
 use infuse::global::PureError;
+use infuse::pooled::reported::Block;
 use infuse::pooled::{Assessment, Loop, Reason, Responses, Settings, Simulate};
 use infuse::{Error, Outcome, TrialId};
 use serde_json::{Value, json};
@@ -478,14 +479,16 @@ impl Campaign {
     /// The readings of the loop in its order, each with its settings and its cost. Where runs of a batch share an error, as the file says or as
     /// they drift, those of another batch are no repeats: what they are of stands behind the settings.
     pub(super) fn runs_to_compare(&self, found: &Assessment) -> Vec<(Vec<f64>, f64)> {
-        let is_of_blocks = self.settings.blocks == Some(true) || found.is_drifting();
         let mut runs = self.runs();
-        if is_of_blocks {
-            let readings = self.readings();
-            let firsts = self.experiments.readings.values().filter_map(|reading| reading.first.as_ref()?.value());
-            let n_before = readings.len() - firsts.count();
-            for (at, ((settings, _), (origin, _))) in runs.iter_mut().zip(readings).enumerate() {
-                settings.extend(self.block_of(origin, (at < n_before).then_some(at)));
+        if self.settings.blocks == Some(true) || found.is_drifting() {
+            let (origins, blocks) = (self.origins(), self.blocks());
+            for (at, (settings, _)) in runs.iter_mut().enumerate() {
+                let first_of_block = || blocks.iter().position(|block| *block == blocks[at]).unwrap_or(at);
+                settings.push(match (origins[at], &blocks[at]) {
+                    // Of a further run nobody knows the day.
+                    (Origin::Own(_), Block::Source(_)) => at as f64,
+                    _ => first_of_block() as f64,
+                });
             }
         }
         runs
@@ -496,15 +499,20 @@ impl Campaign {
         self.readings().into_iter().map(|(origin, cost)| (self.settings_of(origin), cost)).collect()
     }
 
-    /// Two numbers that runs of one batch, or of one source, share; of a `further` run, which has this number, nobody knows the day.
-    fn block_of(&self, origin: Origin, further: Option<usize>) -> [f64; 2] {
-        match (origin, further) {
-            (Origin::Imported(index), _) => {
-                let source = &self.imported[index].source;
-                [0.0, self.imported.iter().position(|other| other.source == *source).unwrap_or(index) as f64]
-            }
-            (Origin::Own(id), None) => [1.0, self.experiments.trial(id).map_or(0, |trial| trial.batch) as f64],
-            (Origin::Own(_), Some(at)) => [2.0, at as f64],
+    /// The block of each reading of the loop, in its order.
+    pub(super) fn blocks(&self) -> Vec<Block> {
+        let origins = self.origins();
+        let firsts = self.experiments.readings.values().filter_map(|reading| reading.first.as_ref()?.value());
+        let n_before = origins.len() - firsts.count();
+        origins.into_iter().enumerate().map(|(at, origin)| self.block_of(origin, at < n_before)).collect()
+    }
+
+    /// Of what batch or source a run is; a further run of an experiment is a source of its own.
+    pub(super) fn block_of(&self, origin: Origin, is_further: bool) -> Block {
+        match origin {
+            Origin::Imported(index) => Block::Source(self.imported[index].source.clone()),
+            Origin::Own(id) if is_further => Block::Source(source_of_further(id)),
+            Origin::Own(id) => Block::Batch(self.experiments.trial(id).map_or(0, |trial| trial.batch)),
         }
     }
 
@@ -691,7 +699,7 @@ impl Campaign {
 }
 
 /// Where the loop is told that further runs of an experiment come from: of what day they are nobody knows.
-pub(super) fn source_of_further(id: u64) -> String {
+fn source_of_further(id: u64) -> String {
     format!("experiment {id}")
 }
 

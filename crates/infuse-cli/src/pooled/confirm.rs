@@ -10,6 +10,7 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 use super::bands::NINE_IN_TEN;
+use super::best::has_shifts;
 use super::campaign::{Batch, Campaign, Origin};
 use super::findings::as_it_stands;
 use super::hand_out::plan;
@@ -185,7 +186,7 @@ impl Names {
         let alone = campaign.choice_of_the_simulation().ok().flatten();
         let found = campaign.assessment().ok().flatten();
         let stands = found.as_ref().and_then(as_it_stands);
-        let are_shifted = found.is_some_and(|found| found.shifts.len() > 1);
+        let are_shifted = found.as_ref().is_some_and(has_shifts);
         Self { alone, is_of_some: campaign.n_simulated_of_many().ok().flatten().is_some(), stands, are_shifted }
     }
 

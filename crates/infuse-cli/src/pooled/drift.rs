@@ -51,12 +51,9 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     let of_response = found.drift.as_ref().filter(|drift| drift.is_sure()).map(|drift| {
         let shifts = if found.shifts.is_empty() { &drift.shifts } else { &found.shifts };
         let named = named_of_response(campaign, shifts);
-        let (noise, shared) = match found.assembly {
-            Some(shared) => (found.noise, Some(response.amount(shared))),
-            None => (found.noise, None),
-        };
+        let shared = found.assembly.map(|shared| response.amount(shared));
         let has_it = if shared.is_none() && campaign.settings.noise.is_none() { ", with that in it" } else { "" };
-        let noise = format!("{}{has_it}", response.amount(noise));
+        let noise = format!("{}{has_it}", response.amount(found.noise));
         let finding = warning("", &named, &noise, drift, shared);
         let deviation = response.of_difference(found.assembly.unwrap_or(drift.deviation));
         let unit = response.unit_of_differences();

@@ -11,7 +11,7 @@ use super::bands::resolution;
 use super::campaign::{Campaign, Origin};
 use super::drift;
 use super::given_noise::{too_large, too_small};
-use crate::campaign::{Campaign as _, Imported};
+use crate::campaign::Campaign as _;
 use crate::findings::{Twice, there_twice};
 use crate::number::{count, plain, short, with_unit};
 use crate::problem::{Goal, Scale};
@@ -189,13 +189,7 @@ pub(super) fn all_equal(campaign: &Campaign) -> Option<Finding> {
 
 /// That imported experiments of two sources have the same settings and results: of each two sources.
 fn imported_twice(campaign: &Campaign) -> Vec<Finding> {
-    let all = campaign.imported();
-    let twice = |(at, one): (usize, &Imported)| {
-        let is_like = |earlier: &&Imported| earlier.is_alike(&one.point, &one.result, &one.constrained);
-        let earlier = all[..at].iter().find(|earlier| earlier.source != one.source && is_like(earlier))?;
-        Some((earlier.source.clone(), one.source.clone()))
-    };
-    there_twice(&Twice::of(all.iter().enumerate().filter_map(twice)))
+    there_twice(&Twice::among(&campaign.imported, 0))
 }
 
 /// What counts, and is far from what all others say, and noise that was given too small: nothing else is worth much before that is put

@@ -7,24 +7,13 @@ use anyhow::{Result, ensure};
 use super::columns::point_columns;
 use super::read::setting_fault;
 use super::table::{Column, Fault, Table, none_of};
+use crate::campaign::Imported;
 use crate::journal::{Constrained, Measured};
 use crate::problem::Problem;
 
-/// An experiment of an older table.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Imported {
-    pub(crate) point: Vec<f64>,
-    pub(crate) result: Measured,
-    /// Of the responses that have to stay within bounds.
-    pub(crate) constrained: Constrained,
-    /// Its own, if the table has a column for it.
-    pub(crate) source: String,
-    /// What a person wrote beside it.
-    pub(crate) note: String,
-}
-
 /// Reads a table with a column per parameter, one for the response, and possibly columns named `source`, `failed` and `note`; the
-/// second says why there is no response. Where no source of all rows is given, each row has to say its own.
+/// second says why there is no response. Where no source of all rows is given, each row has to say its own;
+/// where one is, that of a row may be empty.
 pub(crate) fn imported(path: &Path, problem: &Problem, of_all: Option<&str>) -> Result<Vec<Imported>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();

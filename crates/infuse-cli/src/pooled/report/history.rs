@@ -7,6 +7,7 @@ use infuse::pooled::Assessment;
 use page::palette::{BLUE, INK, VERMILION};
 use page::{Axis, Chart, Column, Grid, Key, Mark, Page, Stroke, Table};
 
+use super::super::best::has_shifts;
 use super::nothing::NOTHING;
 use crate::journal::Assessed;
 use crate::number::{percent, short};
@@ -88,7 +89,7 @@ fn best_of_batches(campaign: &Campaign) -> BTreeMap<usize, f64> {
 
 /// What is known now of batches that are off, if anything is.
 fn with_shifts(campaign: &Campaign) -> Result<Option<Assessment>> {
-    Ok(campaign.assessment()?.filter(|found| found.shifts.len() > 1))
+    Ok(campaign.assessment()?.filter(has_shifts))
 }
 
 /// Half the band of what was expected: where nothing is promised, how far off it may be is not known.

@@ -8,6 +8,7 @@ use infuse::pooled::Standing;
 use infuse::pooled::reported::Constrained;
 use page::{Column, Page, Table};
 
+use super::super::best::has_shifts;
 use super::nothing::NOTHING;
 use super::view::{Run, View};
 use crate::number::{resolved, short};
@@ -24,7 +25,7 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
     let best = best(view)?;
     let caption = "The designs that measured best, by the mean of their runs; a run at settings between designs counts for \
                    the nearest.";
-    let caption = match has_shifts(view) {
+    let caption = match has_shifts(&view.found) {
         true => format!("{caption} Without shift: without what their batches are off by, by which they are ordered."),
         false => caption.to_owned(),
     };
@@ -41,11 +42,6 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
         page.table(&table, caption);
     }
     Ok(())
-}
-
-/// Whether results are compared without what their batches are off by.
-fn has_shifts(view: &View) -> bool {
-    view.found.shifts.len() > 1
 }
 
 /// Best first, each with the mean of its costs, without what their batches are off by.
@@ -95,7 +91,7 @@ fn best_table(view: &View, best: &[(Standing, f64)]) -> Table {
         cells
     };
     let table = Table { columns, rows: best.iter().map(row).collect() };
-    if has_shifts(view) { table } else { table.without("without shift") }
+    if has_shifts(&view.found) { table } else { table.without("without shift") }
 }
 
 /// As measured, or in brackets as expected.
