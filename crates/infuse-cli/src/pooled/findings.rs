@@ -242,6 +242,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
             Needed::Readings(n) => format!("before there are {n} results: {} so far", found.forecast.n_readings),
             Needed::Designs(n) => format!("before {n} different designs were run: {} so far", found.forecast.n_tried),
             Needed::Difference => "before results differ".to_owned(),
+            Needed::Signal => "before results tell of the parameters: these may be noise alone".to_owned(),
             Needed::Repeat => {
                 "before a design is run again, or `noise` in [loop] is given: what they differ by may be noise"
                     .to_owned()

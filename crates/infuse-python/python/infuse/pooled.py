@@ -198,10 +198,10 @@ class Doubted:
 
 @dataclass(frozen=True)
 class Needed:
-    """What a certificate waits for: so many `readings`, readings of so many different `designs`, a design that is run again, or a reading that differs."""
+    """What a certificate waits for: so many `readings`, readings of so many different `designs`, a design that is run again, a reading that differs, or readings that tell of the parameters."""
 
     what: str
-    """`readings`, `designs`, `repeat` or `difference`: all readings so far are equal."""
+    """`readings`, `designs`, `repeat`, `difference`: all readings so far are equal, or `signal`: they may be noise alone."""
     count: Optional[int] = None
     """How many there have to be."""
 

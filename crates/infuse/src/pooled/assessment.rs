@@ -117,6 +117,10 @@ pub enum Needed {
     Repeat,
     /// A reading that differs: where all are equal, to the last bit, they tell neither what designs differ by nor the noise.
     Difference,
+    /// Readings that tell of the parameters: these may be noise alone, which foretells each of them from the others nearly as well as the
+    /// surface does. What they differ by is then no measure of what wells may be deep. Not once so many designs were run that nothing is
+    /// [held in reserve](Forecast::reserves_until) for one.
+    Signal,
 }
 
 impl Needed {

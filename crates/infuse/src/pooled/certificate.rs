@@ -303,6 +303,12 @@ impl Forecast {
         self.found > self.drawn.max(self.reserve()) && !self.is_for_the_least()
     }
 
+    /// Whether anything is held in reserve, be it the bound or less.
+    #[must_use]
+    pub fn holds_reserve(&self) -> bool {
+        self.reserve() > 0.0
+    }
+
     /// In the unit of the response.
     fn reserve(&self) -> f64 {
         self.spread * reserve_after(self.n_counted(), self.enough())

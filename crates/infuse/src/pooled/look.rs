@@ -260,6 +260,15 @@ impl Scope<'_> {
         Needed::of(evidence, knowledge.designs, self.settings, (n_repeats, are_equal))
     }
 
+    /// Readings that tell of the parameters, where a bound is a multiple of what these differ by, and they may be noise alone.
+    fn needs_signal(&self, knowledge: &Knowledge<'_, '_>, forecast: &Forecast) -> Option<Needed> {
+        if !forecast.holds_reserve() || forecast.is_for_the_least() {
+            return None;
+        }
+        let gain = knowledge.process.gain_over_noise(self.settings.noise)?;
+        (gain < SIGNAL).then_some(Needed::Signal)
+    }
+
     /// Further batches by the number that the campaign stops by, one at least where something is needed.
     fn further_batches(&self, forecast: &Forecast, needed: Option<Needed>) -> Option<u64> {
         let worth = self.settings.worth?;
@@ -303,7 +312,7 @@ impl Scope<'_> {
             .above_the_least(above)
             .by_runs(self.run_means(designs, &evidence, cell));
         let forecast = draws.forecast(confidence, settings.n_experiments);
-        let needed = self.needed(knowledge, &evidence);
+        let needed = self.needed(knowledge, &evidence).or_else(|| self.needs_signal(knowledge, &forecast));
         let never_run = evidence.never_run();
         let (left, n_left) = left(knowledge, pool, cell, confidence)?;
         let bands = Bands::of(readings, designs.n_terms());
@@ -340,6 +349,8 @@ impl Scope<'_> {
     }
 }
 
+/// With less of a [gain over noise](surface::process::AveragedProcess::gain_over_noise) readings may be noise alone.
+const SIGNAL: f64 = 3.0;
 /// Of fewer experiments a batch none is given away to test the noise.
 const FEWEST_TO_TEST: usize = 4;
 /// So many repeats are a test: where the noise is ten times what was given, one agrees by chance one time in five.

@@ -11,6 +11,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::Error;
 use crate::process::covariance::{Hyperparameters, Parts, SimulationUse, Structure, prior_variances};
 use crate::process::joint::Joint;
+use crate::process::left_out::log_normal;
 use crate::process::places::Places;
 use crate::process::sites::Sites;
 
@@ -421,11 +422,21 @@ impl GaussianProcess {
     /// place included: the sites in order (Rasmussen and Williams 2006, (5.12)).
     #[must_use]
     pub fn standardized_leave_one_out(&self) -> Vec<f64> {
+        self.left_out().into_iter().map(|[distance, _]| distance).collect()
+    }
+
+    /// The logarithm of the density of the mean at each place as the others foretell it, scaled.
+    pub(crate) fn log_left_out(&self) -> Vec<f64> {
+        self.left_out().into_iter().map(|[distance, variance]| log_normal(distance * distance, variance)).collect()
+    }
+
+    /// Of each site its distance from what the others foretell, in standard deviations, and the variance of that, scaled.
+    fn left_out(&self) -> Vec<[f64; 2]> {
         let n = self.factor.nrows();
         let mut inverse = Mat::<f64>::identity(n, n);
         solve_lower_triangular_in_place(self.factor.as_ref(), inverse.as_mut(), Par::Seq);
         let precision = |site: usize| inverse.col(site).squared_norm_l2();
-        (0..n).map(|site| self.solved[(site, 0)] / precision(site).sqrt()).collect()
+        (0..n).map(|site| [self.solved[(site, 0)] / precision(site).sqrt(), 1.0 / precision(site)]).collect()
     }
 
     /// The logarithm of the density of the measurements, scaled: what structures and hyperparameters are compared by.

@@ -10,6 +10,7 @@ mod feasibility;
 mod gaussian_process;
 mod gradient;
 mod joint;
+mod left_out;
 mod places;
 mod regressor;
 mod sampler;
