@@ -276,7 +276,7 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
                 format!("from batch {batch}: {} is best, with {predicted} predicted.", problem.describe(optimum)),
             )
         }
-        Event::Campaign { .. } | Event::Opened { .. } => return None,
+        Event::Campaign { .. } | Event::Opened { .. } | Event::Sheet { .. } => return None,
     })
 }
 
