@@ -612,7 +612,7 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         (Some(given), _) => {
             let given = response.amount(given);
             let untested = match (found.n_repeats, contradiction(campaign, found)) {
-                (0, _) => " Nothing was run twice, so nothing has put it to the test.".to_owned(),
+                (0, _) => not_tested(campaign, found),
                 (_, Some(repeats)) => {
                     format!(" Repeats contradict that: {}.", response.amount(repeats.measured()))
                 }
@@ -672,6 +672,19 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     };
     let (noise, unit) = (response.of_difference(found.noise), response.unit_of_differences());
     Finding::new(sentence).with("noise", noise, unit).with("repeats", found.n_repeats as f64, "1")
+}
+
+/// Why nothing has put the noise that was given to the test.
+fn not_tested(campaign: &Campaign, found: &Assessment) -> String {
+    let is_repeated = PureError::of_readings(campaign.runs()).is_some();
+    let why = match (found.assembly.is_some(), campaign.settings.plants.is_some()) {
+        (true, false) if is_repeated => "No design was run twice within a batch, and runs of different batches differ by what these are off by",
+        (true, true) if is_repeated => {
+            "No design was run twice on a plant as it was put together, and runs on others differ by what these are off by"
+        }
+        _ => "Nothing was run twice",
+    };
+    format!(" {why}, so nothing has put it to the test.")
 }
 
 /// Whether runs of equal settings differ, whatever batches they are of.

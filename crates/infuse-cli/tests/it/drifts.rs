@@ -164,3 +164,28 @@ fn on_a_rig_that_drifts_equal_repeats_do_not_make_the_noise_none_and_it_is_said_
     assert!(text.contains("By themselves, too, the results are sure of it."), "{text}");
     assert!(ask(&rig)["experiments"].is_array(), "it goes on");
 }
+
+/// Runs of one design in two batches that are off by different amounts say nothing of the noise: that is said, and not that there are none.
+#[test]
+fn a_given_noise_is_tested_by_repeats_within_a_batch_alone() {
+    let rig = rig_of(bowl, "noise = 1\n");
+    rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+    let of_noise = || {
+        let text = rig.infuse(&["status"]).ok();
+        text.lines().find(|line| line.starts_with("Noise of one run: ")).unwrap_or_else(|| panic!("{text}")).to_owned()
+    };
+    batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id)));
+    assert!(of_noise().contains(" Nothing was run twice, so nothing has put it to the test."), "{}", of_noise());
+    batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id) + 12.0));
+    rig.edit("noise = 1", "noise = 1\nblocks = true");
+    assert_eq!(rig.status()["noise"]["degrees_of_freedom"], json!(0), "the one repeat is of another batch");
+    let said = " No design was run twice within a batch, and runs of different batches differ by what these are off by, so nothing has put it";
+    assert!(of_noise().contains(said), "{}", of_noise());
+    // So that a batch tests it that runs a design twice.
+    let asked = ask(&rig);
+    let again = asked["experiments"].as_array().unwrap().iter().filter(|one| !one["repeats"].is_null()).count();
+    assert!(again >= 2, "both are runs of the best measured design: {asked}");
+    tell(&rig, asked["experiments"].as_array().unwrap(), |a, b, id| Ok(bowl(a, b) + wobble(id) - 12.0));
+    assert_eq!(rig.status()["noise"]["degrees_of_freedom"], json!(1), "within the third batch");
+    assert!(!of_noise().contains("put it to the test"), "{}", of_noise());
+}
