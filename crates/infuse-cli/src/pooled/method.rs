@@ -21,9 +21,10 @@ use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, displaced, drift, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Reserve, Stage, Wish};
 use crate::findings::all_batches_made;
-use crate::journal::{Event, Journal, Submitted, Writer};
+use crate::journal::{Event, Journal, Measured, Submitted, Writer};
 use crate::number::percent;
 use crate::problem::Problem;
+use crate::simulator::identity;
 
 impl campaign::Campaign for Campaign {
     fn folder(&self) -> &Path {
@@ -100,7 +101,8 @@ impl campaign::Campaign for Campaign {
         };
         let Settings { n_experiments: experiments, max_batches: batches, .. } = self.settings;
         let without_reserve = self.empty.designs_without_reserve();
-        Ok(Budget { terms: None, experiments, batches, simulations, without_reserve, grid: self.grid.clone() })
+        let (n_left, grid) = (self.n_left(), self.grid.clone());
+        Ok(Budget { terms: None, experiments, batches, n_left, simulations, without_reserve, grid })
     }
 
     fn reserve(&self) -> Result<Option<Reserve>> {
@@ -116,6 +118,11 @@ impl campaign::Campaign for Campaign {
 
     fn submitted(&self) -> &[Submitted] {
         &self.submitted
+    }
+
+    fn simulations_made(&self) -> Vec<Measured> {
+        let by = identity(&self.problem.simulator);
+        self.memory.values().filter(|known| known.by == by).map(|known| known.result.clone()).collect()
     }
 
     fn waits_for_simulations(&self) -> Result<BTreeSet<Cell>> {
