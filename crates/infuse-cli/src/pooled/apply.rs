@@ -78,9 +78,9 @@ impl Campaign {
                 None
             }
         };
+        let drifting = assessment.as_ref().map(|found| drift::sure(self, found)).and_then(Result::ok).unwrap_or_default();
         Ok(assessment.map(|found| {
             let bound = promised(self, &found);
-            let drifting = drift::drifting(self, &found).map(str::to_owned).collect();
             let assessed = Assessed {
                 batch,
                 bound,

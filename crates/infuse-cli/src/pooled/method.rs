@@ -177,7 +177,7 @@ impl campaign::Campaign for Campaign {
             None => (found.assembly, None),
         };
         let bound = promised(self, &found).map(|bound| response.of_difference(bound));
-        let json = json!({
+        let mut json = json!({
             "batches": batches.collect::<Vec<_>>(),
             "best": problem.named(&found.recommended.point),
             "predicted": response.of_cost(found.recommended.mean),
@@ -204,9 +204,6 @@ impl campaign::Campaign for Campaign {
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
             "shared_error_of_a_batch": of_batches.map(|shared| response.of_difference(shared)),
-            "drift": drift::as_json(self, &found),
-            "shifts": drift::shifts_as_json(self, &found),
-            "drift_of_constraints": drift::of_constraints_as_json(self, &found),
             "shared_error_of_a_plant": of_plants.map(|shared| response.of_difference(shared)),
             "own_of_a_plant": found.own.map(|own| response.of_difference(own)),
             "keeps_to_the_constraints": found.recommended.suffices,
@@ -218,6 +215,9 @@ impl campaign::Campaign for Campaign {
             "best_measured": best_measured,
             "confirmed": self.confirmation()?.map(|confirmation| confirmation.shown(response)),
         });
+        if let (Some(json), Value::Object(of_drifts)) = (json.as_object_mut(), drift::as_json(self, &found)?) {
+            json.extend(of_drifts);
+        }
         Ok((blocks, json))
     }
 
