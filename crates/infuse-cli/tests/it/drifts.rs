@@ -68,6 +68,10 @@ fn the_best_measured_design_is_chosen_without_the_shifts_of_batches() {
     rig.infuse(&["report"]).ok();
     let page = rig.read("report.html");
     assert!(page.contains("without shift") && page.contains("measured, less shifts"), "the page says it, too");
+    // Wherever results stand as they were read, beside what is expected: tables, curves, fit, and the best of each batch.
+    for (words, n) in [("as it was read, with what its batch or source is off by", 3), ("as it was read, with what the batch is off by", 2)] {
+        assert!(page.matches(words).count() >= n, "{} times: {words}", page.matches(words).count());
+    }
     // Where the loop leaves a drift in the surface, results are compared as they are.
     rig.edit("[loop]", "[loop]\nblocks = false");
     let left = rig.status();
