@@ -81,7 +81,8 @@ fn simulations_that_were_made_are_neither_tried_nor_counted_again() {
     let rig = Rig::pooled();
     let command = "command = [\"sh\", \"-c\", \"echo x >> ran; echo {spring} {damper gain} | awk '{print $1 / 7 + $2}'\"]\njobs = 1";
     rig.edit("table = \"simulation.csv\"", command);
-    rig.edit("experiments = 10\nbatches = 6", "experiments = 10\nsimulations = 15\nbatches = 2");
+    rig.edit("experiments = 10", "experiments = 10\nsimulations = 15");
+    rig.edit("batches = 6", "batches = 2");
     let n_ran = || std::fs::read_to_string(rig.path("ran")).map_or(0, |ran| ran.lines().count());
     let n_made = || rig.journal().iter().filter(|line| line["event"] == "simulated").count();
     let before = check(&rig);
@@ -91,7 +92,10 @@ fn simulations_that_were_made_are_neither_tried_nor_counted_again() {
     let (ran, made) = (n_ran(), n_made());
     let (middle, text) = (check(&rig), rig.infuse(&["check"]).ok());
     assert_eq!((n_ran(), &middle["simulations_made"], &middle["simulations_to_come"]), (ran, &json!(made), &json!(15)));
-    assert!(text.contains(&format!("The journal has {made} simulations by this command, so it was not tried")), "{text}");
+    assert!(
+        text.contains(&format!("The journal has {made} simulations by this command, so it was not tried")),
+        "{text}"
+    );
     assert!(text.contains(&format!("  {made} simulations were made, and up to 15 are to come.")), "{text}");
     assert!(!text.contains("40 simulations"), "{text}");
     rig.batch();

@@ -30,7 +30,7 @@ pub(super) fn in_words(
     took: Option<Duration>,
 ) -> Result<(Vec<Finding>, Value)> {
     let problem = campaign.problem();
-    let Budget { terms, experiments, batches, simulations, grid, without_reserve } = budget;
+    let Budget { terms, experiments, batches, simulations, grid, without_reserve, .. } = budget;
     let allowed = allowed(problem, grid);
     let simulations_of_all = simulations_of_all(campaign, budget, allowed)?;
     let mut findings = vec![whole(budget, problem, allowed)];
@@ -217,12 +217,7 @@ fn has_ended(campaign: &dyn Campaign) -> Result<bool> {
 }
 
 /// What is simulated, and how long it takes.
-fn simulated(
-    campaign: &dyn Campaign,
-    budget: &Budget,
-    took: Option<Duration>,
-    of_all: OfAll,
-) -> Result<Vec<Finding>> {
+fn simulated(campaign: &dyn Campaign, budget: &Budget, took: Option<Duration>, of_all: OfAll) -> Result<Vec<Finding>> {
     let jobs = match &campaign.problem().simulator {
         Simulator::Nothing => return Ok(Vec::new()),
         Simulator::Table(_) => return Ok(vec![Finding::new("A batch costs no simulation: they are looked up.")]),
