@@ -150,7 +150,13 @@ fn in_use(events: &[(usize, Event)], source: &str) -> usize {
         _ => false,
     };
     let is_of_it = |event: &Event| matches!(event, Event::Imported { source: of, .. } if of == source);
-    standing.iter().rev().map(|(_, event)| event).take_while(|event| !is_end(event)).filter(|event| is_of_it(event)).count()
+    standing
+        .iter()
+        .rev()
+        .map(|(_, event)| event)
+        .take_while(|event| !is_end(event))
+        .filter(|event| is_of_it(event))
+        .count()
 }
 
 /// The settings of the loop with which a batch was asked for, or was complete.

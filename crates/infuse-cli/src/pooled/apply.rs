@@ -78,7 +78,8 @@ impl Campaign {
                 None
             }
         };
-        let drifting = assessment.as_ref().map(|found| drift::sure(self, found)).and_then(Result::ok).unwrap_or_default();
+        let drifting =
+            assessment.as_ref().map(|found| drift::sure(self, found)).and_then(Result::ok).unwrap_or_default();
         Ok(assessment.map(|found| {
             let bound = promised(self, &found);
             let assessed = Assessed {

@@ -33,7 +33,8 @@ pub(super) fn no_more(campaign: &Campaign, found: &Assessment) -> Option<Finding
     let now: Vec<&str> = drifting(campaign, found).collect();
     let last = campaign.history.values().next_back();
     let before = campaign.history.range(..campaign.batches.len()).next_back().map(|(_, said)| said);
-    let (before, gone) = last.into_iter().chain(before).map(|said| (said, gone(said, &now))).find(|(_, gone)| !gone.is_empty())?;
+    let (before, gone) =
+        last.into_iter().chain(before).map(|said| (said, gone(said, &now))).find(|(_, gone)| !gone.is_empty())?;
     let why = match campaign.withdrawn_since(before.batch) {
         Some(withdrawn) => format!("Since then {withdrawn}."),
         None => "One result far from all others can do so.".to_owned(),
@@ -63,7 +64,10 @@ pub(super) fn taken_in_otherwise(campaign: &Campaign, found: &Assessment, before
     let new = now.iter().filter(|name| !before.drifting.iter().any(|then| then == *name));
     let new: Vec<String> = new.map(|name| format!("`{name}`")).collect();
     match (new.is_empty(), gone.is_empty()) {
-        (false, _) => Some(format!("an error that runs of one batch share in {} is taken in by now, as results are sure of it", new.join(", "))),
+        (false, _) => Some(format!(
+            "an error that runs of one batch share in {} is taken in by now, as results are sure of it",
+            new.join(", ")
+        )),
         (true, false) => Some(format!(
             "results are not sure any more that runs of one batch read alike in {}, so that nothing is taken in for that",
             gone.join(", ")
@@ -83,7 +87,12 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
         let noise = format!("{}{has_it}", response.amount(found.noise));
         let finding = warning("", &named, &noise, drift, shared);
         let finding = finding.with("noise", response.of_difference(found.noise), response.unit_of_differences());
-        let finding = with_shifts(finding, shifts, |by| response.of_difference(response.of_deviations(by)), response.unit_of_differences());
+        let finding = with_shifts(
+            finding,
+            shifts,
+            |by| response.of_difference(response.of_deviations(by)),
+            response.unit_of_differences(),
+        );
         let deviation = response.of_difference(found.assembly.unwrap_or(drift.deviation));
         let unit = response.unit_of_differences();
         finding.with("shared by runs of a batch", deviation, unit)
@@ -303,12 +312,7 @@ pub(super) fn as_json(campaign: &Campaign, found: &Assessment) -> Result<Value> 
     Ok(json!({ "drift": of_response, "shifts": shifts, "drift_of_constraints": Value::Object(of_each.collect()) }))
 }
 
-fn in_json(
-    drift: Option<&Drift>,
-    is_taken_in: bool,
-    deviation: impl Fn(f64) -> f64,
-    by: impl Fn(f64) -> f64,
-) -> Value {
+fn in_json(drift: Option<&Drift>, is_taken_in: bool, deviation: impl Fn(f64) -> f64, by: impl Fn(f64) -> f64) -> Value {
     drift.map_or(Value::Null, |drift| {
         let shifts: Value = drift.shifts.iter().map(|shift| shift_in_json(shift, by(shift.by))).collect();
         json!({

@@ -341,9 +341,9 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
             let unit = response.unit_of_differences();
             let about_worth = Finding::new(sentence).with("worth", response.of_difference(worth), unit);
             let further = found.further_batches.filter(|_| !is_enough);
-            let about_worth = further.into_iter().fold(about_worth, |finding, batches| {
-                finding.with("further batches", batches as f64, "1")
-            });
+            let about_worth = further
+                .into_iter()
+                .fold(about_worth, |finding, batches| finding.with("further batches", batches as f64, "1"));
             let finding = finding.detail(about_worth);
             may_end_now(campaign, found, worth).into_iter().fold(finding, Finding::detail)
         }
@@ -686,7 +686,9 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
 fn not_tested(campaign: &Campaign, found: &Assessment) -> String {
     let is_repeated = PureError::of_readings(campaign.runs()).is_some();
     let why = match (found.assembly.is_some(), campaign.settings.plants.is_some()) {
-        (true, false) if is_repeated => "No design was run twice within a batch, and runs of different batches differ by what these are off by",
+        (true, false) if is_repeated => {
+            "No design was run twice within a batch or source, and runs of two of these differ by what they are off by"
+        }
         (true, true) if is_repeated => {
             "No design was run twice on a plant as it was put together, and runs on others differ by what these are off by"
         }

@@ -69,7 +69,10 @@ fn the_best_measured_design_is_chosen_without_the_shifts_of_batches() {
     let page = rig.read("report.html");
     assert!(page.contains("without shift") && page.contains("measured, less shifts"), "the page says it, too");
     // Wherever results stand as they were read, beside what is expected: tables, curves, fit, and the best of each batch.
-    for (words, n) in [("as it was read, with what its batch or source is off by", 3), ("as it was read, with what the batch is off by", 2)] {
+    for (words, n) in [
+        ("as it was read, with what its batch or source is off by", 3),
+        ("as it was read, with what the batch is off by", 2),
+    ] {
         assert!(page.matches(words).count() >= n, "{} times: {words}", page.matches(words).count());
     }
     // Where the loop leaves a drift in the surface, results are compared as they are.
@@ -171,28 +174,34 @@ fn on_a_rig_that_drifts_equal_repeats_do_not_make_the_noise_none_and_it_is_said_
     assert!(ask(&rig)["experiments"].is_array(), "it goes on");
 }
 
-/// Runs of one design in two batches that are off by different amounts say nothing of the noise: that is said, and not that there are none.
+/// Runs of one design on two days that are off by different amounts say nothing of the noise: that is said, and not that there are none.
 #[test]
 fn a_given_noise_is_tested_by_repeats_within_a_batch_alone() {
-    let rig = rig_of(bowl, "noise = 1\n");
+    let rig = rig_of(bowl, "noise = 1\nblocks = true\n");
     rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+    let row = |at: u64, day: &str, shift: f64| {
+        let (a, b) = ((at % 4) as f64 * 2.0 + 1.0, (at / 4) as f64 * 3.0 + 1.0);
+        format!("{a},{b},{:.3},{day}\n", bowl(a, b) + wobble(100 + at) + shift)
+    };
+    let monday: String = (0..9).map(|at| row(at, "monday", 0.0)).collect();
     let of_noise = || {
         let text = rig.infuse(&["status"]).ok();
         text.lines().find(|line| line.starts_with("Noise of one run: ")).unwrap_or_else(|| panic!("{text}")).to_owned()
     };
-    batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id)));
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N],source\n{monday}"));
+    rig.infuse(&["import", "old.csv"]).ok();
     assert!(of_noise().contains(" Nothing was run twice, so nothing has put it to the test."), "{}", of_noise());
-    batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id) + 12.0));
-    rig.edit("noise = 1", "noise = 1\nblocks = true");
-    assert_eq!(rig.status()["noise"]["degrees_of_freedom"], json!(0), "the one repeat is of another batch");
-    let said = " No design was run twice within a batch, and runs of different batches differ by what these are off by, so nothing has put it";
+    // One design of them again.
+    let tuesday: String = (8..17).map(|at| row(at, "tuesday", 12.0)).collect();
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N],source\n{tuesday}"));
+    rig.infuse(&["import", "old.csv"]).ok();
+    assert_eq!(rig.status()["noise"]["degrees_of_freedom"], json!(0), "the one repeat is of another day");
+    let said = " No design was run twice within a batch or source, and runs of two of these differ by what they are off by, so nothing has put";
     assert!(of_noise().contains(said), "{}", of_noise());
-    // So that a batch tests it that runs a design twice.
-    let asked = ask(&rig);
-    let again = asked["experiments"].as_array().unwrap().iter().filter(|one| !one["repeats"].is_null()).count();
-    assert!(again >= 2, "both are runs of the best measured design: {asked}");
-    tell(&rig, asked["experiments"].as_array().unwrap(), |a, b, id| Ok(bowl(a, b) + wobble(id) - 12.0));
-    assert_eq!(rig.status()["noise"]["degrees_of_freedom"], json!(1), "within the third batch");
+    let twice = row(16, "tuesday", 12.9);
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N],source\n{twice}"));
+    rig.infuse(&["import", "old.csv"]).ok();
+    assert_eq!(rig.status()["noise"]["degrees_of_freedom"], json!(1), "of one day");
     assert!(!of_noise().contains("put it to the test"), "{}", of_noise());
 }
 

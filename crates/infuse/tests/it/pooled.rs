@@ -372,7 +372,11 @@ fn noise_that_is_given_is_put_to_the_test_within_a_batch_where_the_rig_drifts() 
             }
         }
         let found = assessed(&mut campaign);
-        assert!(n_tested <= 2 && found.n_repeats >= 2, "{n_tested} batches tested it, seed {seed}: {}", found.n_repeats);
+        assert!(
+            n_tested <= 2 && found.n_repeats >= 2,
+            "{n_tested} batches tested it, seed {seed}: {}",
+            found.n_repeats
+        );
     }
 }
 

@@ -250,7 +250,11 @@ fn within(low: f64, high: f64) -> Vec<f64> {
         _ => &[1.5, 2.0, 3.0, 5.0, 7.0],
     };
     let power = 10_f64.powi((from + 1e-9).floor() as i32);
-    times.iter().map(|times| times * power).filter(|one| *one > low * (1.0 + 1e-9) && *one < high * (1.0 - 1e-9)).collect()
+    times
+        .iter()
+        .map(|times| times * power)
+        .filter(|one| *one > low * (1.0 + 1e-9) && *one < high * (1.0 - 1e-9))
+        .collect()
 }
 
 /// The bar beside the frame of a whole figure.
