@@ -1,6 +1,6 @@
 //! Commands and paths as one would type them from here.
 
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 
 use crate::problem::SheetFormat;
 
@@ -18,6 +18,18 @@ pub(crate) fn sheet_path(folder: &Path, format: SheetFormat, batch: usize, given
         SheetFormat::Xlsx => (of("xlsx"), of("csv")),
     };
     if !path.exists() && other.exists() { other } else { path }
+}
+
+/// A path as the journal keeps it: from the folder of the campaign on, if it is in there. None for one that is no text.
+pub(crate) fn kept_name(folder: &Path, path: &Path) -> Option<String> {
+    let of = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let (folder, path) = (of(folder), of(path));
+    path.strip_prefix(&folder).unwrap_or(&path).to_str().map(str::to_owned)
+}
+
+/// The path that the journal keeps so, as one would type it from here.
+pub(crate) fn typed_name(folder: &Path, kept: &str) -> PathBuf {
+    if folder == Path::new(".") { PathBuf::from(kept) } else { folder.join(kept) }
 }
 
 /// The program, with the folder of the campaign if that is another.

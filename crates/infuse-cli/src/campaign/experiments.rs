@@ -25,11 +25,24 @@ pub(crate) struct Experiments {
     pub(crate) trials: BTreeMap<u64, Trial>,
     /// What was told about them.
     pub(crate) readings: BTreeMap<u64, Reading>,
+    /// The sheets of a batch, as the journal has them, where not only the one with the usual name was written.
+    sheets: BTreeMap<usize, Vec<String>>,
 }
 
 impl Experiments {
     pub(crate) fn of(region: &Region, plant: &[usize]) -> Self {
-        Self { region: region.clone(), plant: plant.to_vec(), trials: BTreeMap::new(), readings: BTreeMap::new() }
+        let (trials, readings, sheets) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+        Self { region: region.clone(), plant: plant.to_vec(), trials, readings, sheets }
+    }
+
+    /// Notes where the experiments of a batch stand.
+    pub(crate) fn note_sheet(&mut self, batch: usize, path: String) {
+        self.sheets.entry(batch).or_default().push(path);
+    }
+
+    /// The sheets of a batch, the last one last; none where it has the one with the usual name alone.
+    pub(crate) fn sheets_of(&self, batch: usize) -> &[String] {
+        self.sheets.get(&batch).map_or(&[], Vec::as_slice)
     }
 
     /// Notes these as handed out.

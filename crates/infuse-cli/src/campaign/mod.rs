@@ -64,6 +64,8 @@ pub(crate) struct Budget {
     /// Per batch.
     pub(crate) experiments: usize,
     pub(crate) batches: usize,
+    /// Batches that may still be asked for.
+    pub(crate) n_left: usize,
     /// Per batch; nothing where every design is simulated before the first.
     pub(crate) simulations: Option<usize>,
     /// Designs run from which on the certificate holds nothing for a narrow well, if the method's does.
@@ -130,6 +132,8 @@ pub(crate) trait Campaign {
     }
     /// Runs that were handed to a queue.
     fn submitted(&self) -> &[Submitted];
+    /// What the simulator, as it is now, gave so far, if it is a command.
+    fn simulations_made(&self) -> Vec<Measured>;
     /// How many simulations the campaign waits for.
     fn waits_for_simulations(&self) -> Result<BTreeSet<Cell>>;
     /// The experiments from before the campaign that are in use.

@@ -12,12 +12,12 @@ use super::taken_back::still_in_the_sheet;
 use crate::campaign::{Campaign, Stage, Wish};
 use crate::findings::{after_the_end, ended, handed_out};
 use crate::folder;
-use crate::journal::{Event, Journal, now};
+use crate::journal::{Event, Journal, Writer, now};
 use crate::number::count;
 use crate::problem::PROBLEM;
 use crate::sheet;
 use crate::sheet::check_ending;
-use crate::shell::{infuse, sheet_path};
+use crate::shell::{infuse, kept_name, sheet_path};
 
 pub(crate) fn ask(folder: &Path, wait: Duration, sheet: Option<&Path>, wish: Wish, resimulate: bool) -> Result<Output> {
     sheet.map_or(Ok(()), check_ending)?;
@@ -31,6 +31,7 @@ pub(crate) fn ask(folder: &Path, wait: Duration, sheet: Option<&Path>, wish: Wis
         }
         campaign.record(&mut writer, vec![Event::Discarded { at: now() }])?;
     }
+    let before = campaign.experiments().last_batch();
     let ran = campaign.hand_out(&mut writer, wish)?;
     notices.extend(ran.notices);
     match campaign.stage()? {
@@ -41,19 +42,22 @@ pub(crate) fn ask(folder: &Path, wait: Duration, sheet: Option<&Path>, wish: Wis
             )
         }
         Stage::Ended { reason, may_go_on } => nothing_to_run(&*campaign, &reason, may_go_on, notices),
-        _ => waiting(&*campaign, sheet, ran.n_simulated, notices),
+        _ => {
+            let is_new = campaign.experiments().last_batch() != before;
+            waiting((&mut *campaign, &mut writer), (sheet, is_new), ran.n_simulated, notices)
+        }
     }
 }
 
-/// The experiments of the last batch, which are waited for.
+/// The experiments of the last batch, which are waited for; it may be new.
 pub(super) fn waiting(
-    campaign: &dyn Campaign,
-    sheet: Option<&Path>,
+    (campaign, writer): (&mut dyn Campaign, &mut Writer),
+    (sheet, batch_is_new): (Option<&Path>, bool),
     n_simulated: usize,
     mut notices: Vec<String>,
 ) -> Result<Output> {
+    let batch = campaign.experiments().last_batch().context("no experiment was handed out")?;
     let (problem, experiments) = (campaign.problem(), campaign.experiments());
-    let batch = experiments.last_batch().context("no experiment was handed out")?;
     let trials = experiments.in_run_order(batch, problem.seed);
     let path = sheet_path(campaign.folder(), problem.sheets, batch, sheet);
     let is_new = !path.exists();
@@ -64,6 +68,8 @@ pub(super) fn waiting(
             .with_context(|| format!("batch {batch} is chosen and written down, but has no sheet yet"))?;
         notices.extend(still_in_the_sheet(campaign, &Journal::read(campaign.folder())?, &path));
     }
+    note_where_it_is(campaign, writer, batch, &path, batch_is_new)?;
+    let (problem, experiments) = (campaign.problem(), campaign.experiments());
     let findings = handed_out(campaign, batch, &path, is_new, n_simulated);
     let rows = trials.iter().enumerate().map(|(index, (trial, repeats))| {
         json!({
@@ -76,6 +82,27 @@ pub(super) fn waiting(
         "experiments": rows.collect::<Vec<_>>(),
     });
     Ok(Output::new(&findings, json, notices))
+}
+
+/// Writes down where the sheet is, where that does not follow from the batch; with it the one of the usual name, if that was handed out
+/// before.
+fn note_where_it_is(
+    campaign: &mut dyn Campaign,
+    writer: &mut Writer,
+    batch: usize,
+    path: &Path,
+    batch_is_new: bool,
+) -> Result<()> {
+    let folder = campaign.folder();
+    let usual = sheet_path(folder, campaign.problem().sheets, batch, None);
+    let (Some(name), Some(usual_name)) = (kept_name(folder, path), kept_name(folder, &usual)) else { return Ok(()) };
+    let noted = campaign.experiments().sheets_of(batch);
+    if noted.contains(&name) || (noted.is_empty() && name == usual_name) {
+        return Ok(());
+    }
+    let usual_name = (noted.is_empty() && !batch_is_new && usual.exists()).then_some(usual_name);
+    let note = |path: String| Event::Sheet { batch, path, at: now() };
+    campaign.record(writer, usual_name.into_iter().chain([name]).map(note).collect())
 }
 
 /// Why there is nothing to run.

@@ -15,5 +15,5 @@ pub(crate) fn confirm(folder: &Path, wait: Duration, runs: usize, sheet: Option<
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let notices = campaign.take_notices();
     campaign.confirm(&mut writer, runs)?;
-    waiting(&*campaign, sheet, 0, notices)
+    waiting((&mut *campaign, &mut writer), (sheet, true), 0, notices)
 }

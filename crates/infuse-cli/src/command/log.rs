@@ -117,6 +117,11 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
                 add("submitted", format!("{} to the queue, as {}.", count(n, "simulation"), submitted.name));
                 continue;
             }
+            Event::Withdrawn { source, .. } => {
+                let n = in_use(&events[..index - n], source);
+                add("withdrawn", format!("{} that had been imported from `{}`.", count(n, "experiment"), echo(source)));
+                continue;
+            }
             _ => {}
         }
         if let Some((what, sentence)) = said(campaign, event, group) {
@@ -134,6 +139,24 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
         }
     }
     entries
+}
+
+/// How many experiments from a source were in use after these lines, whatever was taken back since.
+fn in_use(events: &[(usize, Event)], source: &str) -> usize {
+    let standing = Journal::of(events.to_vec(), Vec::new()).map(|journal| journal.events).unwrap_or_default();
+    let is_end = |event: &Event| match event {
+        Event::Campaign { .. } => true,
+        Event::Withdrawn { source: of, .. } => of == source,
+        _ => false,
+    };
+    let is_of_it = |event: &Event| matches!(event, Event::Imported { source: of, .. } if of == source);
+    standing
+        .iter()
+        .rev()
+        .map(|(_, event)| event)
+        .take_while(|event| !is_end(event))
+        .filter(|event| is_of_it(event))
+        .count()
 }
 
 /// The settings of the loop with which a batch was asked for, or was complete.
@@ -236,7 +259,6 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
             ("told", format!("{}{}.", told(of_group), value_of(event, unit)))
         }
         Event::Imported { .. } => ("imported", format!("{}.", as_deed(Deed::Import).replacen("imported ", "", 1))),
-        Event::Withdrawn { source, .. } => ("withdrawn", format!("what was imported from `{}`.", echo(source))),
         Event::Undone { deed, lines, .. } => (
             "undone",
             format!(
@@ -276,7 +298,7 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
                 format!("from batch {batch}: {} is best, with {predicted} predicted.", problem.describe(optimum)),
             )
         }
-        Event::Campaign { .. } | Event::Opened { .. } => return None,
+        Event::Campaign { .. } | Event::Opened { .. } | Event::Sheet { .. } | Event::Withdrawn { .. } => return None,
     })
 }
 

@@ -1,7 +1,7 @@
 //! `infuse undo`: takes the last thing back that was done.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
@@ -14,9 +14,9 @@ use crate::campaign::Campaign;
 use crate::echo::echo;
 use crate::findings::next;
 use crate::folder;
-use crate::journal::{Deed, Event, JOURNAL, Journal, Last, Measured, Submitted, Told, now};
+use crate::journal::{BY_ITSELF, Deed, Event, JOURNAL, Journal, Last, Measured, Submitted, Told, now};
 use crate::number::count;
-use crate::shell::sheet_path;
+use crate::shell::{kept_name, sheet_path, typed_name};
 use crate::wording::all_of;
 
 /// `n_lines` is how many lines the journal has to have, where somebody has seen what would be taken back.
@@ -37,9 +37,9 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
     writer.add(std::slice::from_ref(&undone))?;
     let mut notices = after.take_notices();
     let journal = Journal::read(folder)?;
-    notices.extend(sheet_left(&*campaign, &journal, &last));
+    notices.extend(sheets_left(&*campaign, &journal, &last));
     notices.extend(runs_left(&*campaign, &last));
-    notices.extend(still_in_sheets(&*after, &journal));
+    notices.extend(still_in_sheets(&*after, &journal, &last));
     let sentence = format!("Taken back: {}.", in_words(&last));
     let findings = [
         Finding::new(sentence).with("lines taken back", last.events.len() as f64, "1"),
@@ -59,20 +59,26 @@ pub(crate) fn last_of(folder: &Path) -> Result<(Journal, Last)> {
     Ok((journal, last))
 }
 
-/// The sheet of a batch that does not count any more is a person's, and stays; what was never told of it stands nowhere else.
-fn sheet_left(campaign: &dyn Campaign, journal: &Journal, last: &Last) -> Option<String> {
-    let batch = last.events.iter().rev().find_map(|(_, event)| match event {
-        Event::Planned { batch, experiments, .. } if !experiments.is_empty() => Some(*batch),
+/// The sheets of a batch that does not count any more are a person's, and stay.
+fn sheets_left(campaign: &dyn Campaign, journal: &Journal, last: &Last) -> Vec<String> {
+    let planned = last.events.iter().rev().find_map(|(line, event)| match event {
+        Event::Planned { batch, experiments, .. } if !experiments.is_empty() => Some((*line, *batch)),
         _ => None,
-    })?;
-    let path = sheet_path(campaign.folder(), campaign.problem().sheets, batch, None);
-    if !path.exists() {
-        return None;
+    });
+    let Some((line, batch)) = planned else { return Vec::new() };
+    let mut sheets = named_sheets(campaign.folder(), journal, batch, line);
+    if sheets.is_empty() {
+        sheets.push(sheet_path(campaign.folder(), campaign.problem().sheets, batch, None));
     }
-    let (sheet, untold) = (path.display(), never_told(campaign, journal, &path));
+    sheets.iter().filter(|sheet| sheet.exists()).map(|sheet| sheet_left(campaign, journal, sheet)).collect()
+}
+
+/// What a sheet has that was never told stands nowhere else.
+fn sheet_left(campaign: &dyn Campaign, journal: &Journal, path: &Path) -> String {
+    let (sheet, untold) = (path.display(), never_told(campaign, journal, path));
     let keep = "they stand nowhere else. Where the same is asked for again, `infuse tell` takes them; else move the sheet before the next ask, \
                 and copy them into a table for `infuse import`";
-    Some(match untold {
+    match untold {
         Ok(ids) if ids.is_empty() => {
             format!("{sheet} belongs to what was taken back: move or remove it before the next ask")
         }
@@ -84,14 +90,33 @@ fn sheet_left(campaign: &dyn Campaign, journal: &Journal, last: &Last) -> Option
             "{sheet} belongs to what was taken back, and whether it has results that were never told cannot be read ({fault:#}). If it has, \
              {keep}"
         ),
-    })
+    }
 }
 
-/// The sheets of open batches are a person's, too, and what they hold would be told again.
-fn still_in_sheets(after: &dyn Campaign, journal: &Journal) -> Vec<String> {
-    let open = after.experiments().open_batches().into_iter();
-    let sheets = open.map(|batch| sheet_path(after.folder(), after.problem().sheets, batch, None));
-    sheets.filter_map(|sheet| still_in_the_sheet(after, journal, &sheet)).collect()
+/// The sheets of open batches are a person's, too, and so is what was told from; what they hold would be told again.
+fn still_in_sheets(after: &dyn Campaign, journal: &Journal, last: &Last) -> Vec<String> {
+    let (folder, mut sheets) = (after.folder(), Vec::new());
+    for batch in after.experiments().open_batches() {
+        sheets.push(sheet_path(folder, after.problem().sheets, batch, None));
+        sheets.extend(named_sheets(folder, journal, batch, 0));
+    }
+    let told_from = last.events.iter().filter_map(|(_, event)| match event {
+        Event::Told(Told { from, .. }) if from != BY_ITSELF => Some(PathBuf::from(from)),
+        _ => None,
+    });
+    sheets.extend(told_from);
+    let mut seen = BTreeSet::new();
+    sheets.retain(|sheet| sheet.is_file() && seen.insert(kept_name(folder, sheet)));
+    sheets.iter().filter_map(|sheet| still_in_the_sheet(after, journal, sheet)).collect()
+}
+
+/// Where the experiments of a batch stand, as the journal has it after a line, taken back or not.
+fn named_sheets(folder: &Path, journal: &Journal, batch: usize, after: usize) -> Vec<PathBuf> {
+    let named = journal.all.iter().filter_map(|(line, event)| match event {
+        Event::Sheet { batch: of, path, .. } if *of == batch && *line > after => Some(typed_name(folder, path)),
+        _ => None,
+    });
+    named.collect()
 }
 
 fn runs_left(campaign: &dyn Campaign, last: &Last) -> Option<String> {

@@ -37,6 +37,7 @@ impl Campaign {
                 self.submitted.retain(Submitted::is_of_experiments);
             }
             Event::Opened { batch, .. } => self.open_batch(batch)?,
+            Event::Sheet { batch, path, .. } => self.experiments.note_sheet(batch, path),
             Event::Told(told) => self.tell(told)?,
             Event::Imported { point, result, source, .. } => {
                 let value = result.value().context(

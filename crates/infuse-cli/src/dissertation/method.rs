@@ -80,6 +80,7 @@ impl campaign::Campaign for Campaign {
             terms: Some(settings.model.n_terms()),
             experiments: settings.n_experiments,
             batches: settings.max_batches,
+            n_left: settings.max_batches.saturating_sub(self.experiments.last_batch().unwrap_or(0)),
             simulations: Some(settings.n_simulations),
             without_reserve: None,
             grid: self.now.grid().clone(),
@@ -88,6 +89,11 @@ impl campaign::Campaign for Campaign {
 
     fn submitted(&self) -> &[Submitted] {
         &self.submitted
+    }
+
+    fn simulations_made(&self) -> Vec<Measured> {
+        let by = identity(&self.problem.simulator);
+        self.memory.values().filter(|known| known.by == by).map(|known| known.result.clone()).collect()
     }
 
     fn waits_for_simulations(&self) -> Result<BTreeSet<Cell>> {

@@ -4,7 +4,7 @@ use page::Finding;
 
 use crate::campaign::{Campaign, Stage};
 use crate::sheet::check_same;
-use crate::shell::{infuse, sheet_path, tell_with};
+use crate::shell::{infuse, sheet_path, tell_with, typed_name};
 
 /// The next command to type, or why the campaign has ended.
 pub(crate) fn next(campaign: &dyn Campaign, stage: &Stage) -> Finding {
@@ -17,7 +17,9 @@ pub(crate) fn next(campaign: &dyn Campaign, stage: &Stage) -> Finding {
         Stage::Pending => {
             let (problem, experiments) = (campaign.problem(), campaign.experiments());
             let batch = experiments.open_batches().first().copied().unwrap_or(1);
-            let sheet = sheet_path(folder, problem.sheets, batch, None);
+            let named = experiments.sheets_of(batch).last().map(|kept| typed_name(folder, kept));
+            let usual = || sheet_path(folder, problem.sheets, batch, None);
+            let sheet = named.filter(|sheet| sheet.exists()).unwrap_or_else(usual);
             // A file of that name may be of a batch that was taken back.
             if !sheet.exists() {
                 format!("Next: run what is left of the sheet, then: {} tell SHEET", infuse(folder))

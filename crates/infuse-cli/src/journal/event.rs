@@ -61,6 +61,9 @@ pub(crate) enum Event {
     Discarded { at: String },
     /// All simulations of the batch are there, and the experiments can be handed out.
     Opened { batch: usize, at: String },
+    /// The experiments of a batch stand in this file, too, or instead of the one with the usual name; see
+    /// [`kept_name`](crate::shell::kept_name).
+    Sheet { batch: usize, path: String, at: String },
     /// An experiment was told.
     Told(Told),
     /// An experiment from before the campaign.
@@ -256,6 +259,7 @@ impl Event {
             | Self::Discarded { at }
             | Self::Submitted(Submitted { at, .. })
             | Self::Opened { at, .. }
+            | Self::Sheet { at, .. }
             | Self::Told(Told { at, .. })
             | Self::Imported { at, .. }
             | Self::Checked { at, .. }

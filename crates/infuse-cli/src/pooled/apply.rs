@@ -78,9 +78,10 @@ impl Campaign {
                 None
             }
         };
+        let drifting =
+            assessment.as_ref().map(|found| drift::sure(self, found)).and_then(Result::ok).unwrap_or_default();
         Ok(assessment.map(|found| {
             let bound = promised(self, &found);
-            let drifting = drift::drifting(self, &found).map(str::to_owned).collect();
             let assessed = Assessed {
                 batch,
                 bound,
@@ -112,8 +113,8 @@ impl Campaign {
     }
 
     fn apply(&mut self, event: Event) -> Result<()> {
-        // What is simulated or assessed changes no answer that was given before the next plan.
-        if !matches!(event, Event::Assessed(_)) {
+        // What is assessed, and where a sheet is, changes no answer that was given before the next plan.
+        if !matches!(event, Event::Assessed(_) | Event::Sheet { .. }) {
             self.forget_the_loop();
         }
         match event {
@@ -135,6 +136,7 @@ impl Campaign {
                 // Results of runs that were to be thrown away are not read again.
                 self.submitted.retain(Submitted::is_of_experiments);
             }
+            Event::Sheet { batch, path, .. } => self.experiments.note_sheet(batch, path),
             Event::Told(told) => {
                 self.check_units(&told.units)?;
                 self.experiments.tell(told)?;

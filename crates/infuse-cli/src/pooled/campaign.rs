@@ -16,10 +16,12 @@ use infuse::{Error, Outcome, TrialId};
 use serde_json::{Value, json};
 
 use crate::campaign::{Experiments, Imported, Reading};
+use crate::echo::echo;
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
 use crate::number::{count, plain};
 use crate::problem::{Goal, PROBLEM, Problem, Scale, Simulator, linear_in_words};
 use crate::simulator::{Job, Rows, identity, looked_up};
+use crate::wording::all_of;
 
 /// Designs of which a command simulates all.
 const MOST_SIMULATED: u64 = 20_000;
@@ -65,6 +67,8 @@ pub(crate) struct Campaign {
     /// The loop with all that was told, once it was asked for.
     now: RefCell<Option<Loop>>,
     assessed: OnceCell<Option<Assessment>>,
+    /// The same, had the file not said that runs of a batch share an error.
+    pub(super) unsaid: OnceCell<Option<Assessment>>,
     /// Designs that gave a value, and are not thought to keep to a bound that was not measured there.
     doubtful: OnceCell<BTreeSet<Cell>>,
 }
@@ -165,6 +169,7 @@ impl Campaign {
             costs_of_rows: Rc::new(OnceCell::new()),
             now: RefCell::new(None),
             assessed: OnceCell::new(),
+            unsaid: OnceCell::new(),
             doubtful: OnceCell::new(),
         };
         let by_people = measured_by_people(&journal.events);
@@ -264,6 +269,7 @@ impl Campaign {
     pub(super) fn forget_the_loop(&mut self) {
         *self.now.borrow_mut() = None;
         self.assessed = OnceCell::new();
+        self.unsaid = OnceCell::new();
         self.doubtful = OnceCell::new();
     }
 
@@ -456,6 +462,15 @@ impl Campaign {
             in_order.filter(|(trial, _)| self.experiments.has_result(trial.id)).map(|(trial, _)| trial.point).collect();
         let runs: Vec<&[f64]> = made.iter().map(Vec::as_slice).collect();
         Some(costs.of_runs(None, &runs))
+    }
+
+    /// That imported experiments which counted after a batch were withdrawn since.
+    pub(super) fn withdrawn_since(&self, batch: usize) -> Option<String> {
+        let since = self.withdrawn.iter().filter(|withdrawn| withdrawn.after >= batch);
+        let since: Vec<String> = since
+            .map(|Withdrawn { source, n, .. }| format!("{} of `{}`", count(*n, "experiment"), echo(source)))
+            .collect();
+        (!since.is_empty()).then(|| format!("what had been imported was withdrawn, {}", all_of(&since)))
     }
 
     /// How many experiments from before the campaign gave a value.

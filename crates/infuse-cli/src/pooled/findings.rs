@@ -171,7 +171,9 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
             }
         },
     };
-    Finding::new(sentence).with("runs there", here.n_readings as f64, "1")
+    let finding = Finding::new(sentence).with("runs there", here.n_readings as f64, "1");
+    let measured = here.measured.map(|mean| response.of_cost(mean));
+    measured.into_iter().fold(finding, |finding, mean| finding.with("measured there", mean, &response.unit))
 }
 
 /// That the recommended design stands on a single run, which the others do not expect, and what it would be without it.
@@ -280,6 +282,10 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         .with("probability", certificate.probability, "1")
         .with("bound", response.of_difference(certificate.bound), response.unit_of_differences())
         .detail(Finding::new(rests));
+    let quantile = (!alone.is_empty()).then(|| response.of_difference(certificate.quantile));
+    let finding = quantile.into_iter().fold(finding, |finding, alone| {
+        finding.with("bound by the surface alone", alone, response.unit_of_differences())
+    });
     let finding = risen(campaign, found).into_iter().fold(finding, Finding::detail);
     let finding = held_for_the_unseen(campaign, found).into_iter().fold(finding, Finding::detail);
     let finding = unseen(campaign, found).into_iter().fold(finding, Finding::detail);
@@ -333,11 +339,13 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                 }
                 (false, _) => format!("{that} is more than {of_worth}: go on."),
             };
-            let finding = finding.detail(Finding::new(sentence).with(
-                "worth",
-                response.of_difference(worth),
-                response.unit_of_differences(),
-            ));
+            let unit = response.unit_of_differences();
+            let about_worth = Finding::new(sentence).with("worth", response.of_difference(worth), unit);
+            let further = found.further_batches.filter(|_| !is_enough);
+            let about_worth = further
+                .into_iter()
+                .fold(about_worth, |finding, batches| finding.with("further batches", batches as f64, "1"));
+            let finding = finding.detail(about_worth);
             may_end_now(campaign, found, worth).into_iter().fold(finding, Finding::detail)
         }
     }
@@ -613,7 +621,7 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         (Some(given), _) => {
             let given = response.amount(given);
             let untested = match (found.n_repeats, contradiction(campaign, found)) {
-                (0, _) => " Nothing was run twice, so nothing has put it to the test.".to_owned(),
+                (0, _) => not_tested(campaign, found),
                 (_, Some(repeats)) => {
                     format!(" Repeats contradict that: {}.", response.amount(repeats.measured()))
                 }
@@ -673,6 +681,21 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     };
     let (noise, unit) = (response.of_difference(found.noise), response.unit_of_differences());
     Finding::new(sentence).with("noise", noise, unit).with("repeats", found.n_repeats as f64, "1")
+}
+
+/// Why nothing has put the noise that was given to the test.
+fn not_tested(campaign: &Campaign, found: &Assessment) -> String {
+    let is_repeated = PureError::of_readings(campaign.runs()).is_some();
+    let why = match (found.assembly.is_some(), campaign.settings.plants.is_some()) {
+        (true, false) if is_repeated => {
+            "No design was run twice within a batch or source, and runs of two of these differ by what they are off by"
+        }
+        (true, true) if is_repeated => {
+            "No design was run twice on a plant as it was put together, and runs on others differ by what these are off by"
+        }
+        _ => "Nothing was run twice",
+    };
+    format!(" {why}, so nothing has put it to the test.")
 }
 
 /// Whether runs of equal settings differ, whatever batches they are of.

@@ -21,9 +21,10 @@ use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, displaced, drift, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Reserve, Stage, Wish};
 use crate::findings::all_batches_made;
-use crate::journal::{Event, Journal, Submitted, Writer};
+use crate::journal::{Event, Journal, Measured, Submitted, Writer};
 use crate::number::percent;
 use crate::problem::Problem;
+use crate::simulator::identity;
 
 impl campaign::Campaign for Campaign {
     fn folder(&self) -> &Path {
@@ -100,7 +101,8 @@ impl campaign::Campaign for Campaign {
         };
         let Settings { n_experiments: experiments, max_batches: batches, .. } = self.settings;
         let without_reserve = self.empty.designs_without_reserve();
-        Ok(Budget { terms: None, experiments, batches, simulations, without_reserve, grid: self.grid.clone() })
+        let (n_left, grid) = (self.n_left(), self.grid.clone());
+        Ok(Budget { terms: None, experiments, batches, n_left, simulations, without_reserve, grid })
     }
 
     fn reserve(&self) -> Result<Option<Reserve>> {
@@ -116,6 +118,11 @@ impl campaign::Campaign for Campaign {
 
     fn submitted(&self) -> &[Submitted] {
         &self.submitted
+    }
+
+    fn simulations_made(&self) -> Vec<Measured> {
+        let by = identity(&self.problem.simulator);
+        self.memory.values().filter(|known| known.by == by).map(|known| known.result.clone()).collect()
     }
 
     fn waits_for_simulations(&self) -> Result<BTreeSet<Cell>> {
@@ -170,7 +177,7 @@ impl campaign::Campaign for Campaign {
             None => (found.assembly, None),
         };
         let bound = promised(self, &found).map(|bound| response.of_difference(bound));
-        let json = json!({
+        let mut json = json!({
             "batches": batches.collect::<Vec<_>>(),
             "best": problem.named(&found.recommended.point),
             "predicted": response.of_cost(found.recommended.mean),
@@ -197,9 +204,6 @@ impl campaign::Campaign for Campaign {
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
             "shared_error_of_a_batch": of_batches.map(|shared| response.of_difference(shared)),
-            "drift": drift::as_json(self, &found),
-            "shifts": drift::shifts_as_json(self, &found),
-            "drift_of_constraints": drift::of_constraints_as_json(self, &found),
             "shared_error_of_a_plant": of_plants.map(|shared| response.of_difference(shared)),
             "own_of_a_plant": found.own.map(|own| response.of_difference(own)),
             "keeps_to_the_constraints": found.recommended.suffices,
@@ -211,6 +215,9 @@ impl campaign::Campaign for Campaign {
             "best_measured": best_measured,
             "confirmed": self.confirmation()?.map(|confirmation| confirmation.shown(response)),
         });
+        if let (Some(json), Value::Object(of_drifts)) = (json.as_object_mut(), drift::as_json(self, &found)?) {
+            json.extend(of_drifts);
+        }
         Ok((blocks, json))
     }
 

@@ -5,14 +5,14 @@ use page::Finding;
 use serde_json::{Map, Value};
 
 use super::bands::{IGNORED, NINE_IN_TEN, resolution};
-use super::campaign::{Campaign, Origin, Withdrawn};
+use super::campaign::{Campaign, Origin};
+use super::drift::taken_in_otherwise;
 use super::warnings::far;
 use crate::campaign::changes;
 use crate::journal::Assessed;
 use crate::number::{count, short};
 use crate::problem::Scale;
 use crate::simulator::identity;
-use crate::wording::all_of;
 
 /// From so many times what it was on it is said that a bound has risen, as a factor if it is one.
 const RISEN: f64 = 1.02;
@@ -65,7 +65,8 @@ fn last_said<'a>(campaign: &'a Campaign, found: &Assessment) -> Option<&'a Asses
 
 fn why(campaign: &Campaign, found: &Assessment, before: &Assessed) -> String {
     let mut reasons = changed(campaign, before);
-    reasons.extend(withdrawn(campaign, before));
+    reasons.extend(campaign.withdrawn_since(before.batch));
+    reasons.extend(taken_in_otherwise(campaign, found, before));
     let well = campaign.problem.response.well();
     match (&found.forecast, &found.find) {
         _ if !reasons.is_empty() => {}
@@ -112,17 +113,6 @@ fn changed(campaign: &Campaign, before: &Assessed) -> Vec<String> {
         changed.push("the simulator is another".to_owned());
     }
     changed
-}
-
-/// That imported experiments which counted then were withdrawn.
-fn withdrawn(campaign: &Campaign, before: &Assessed) -> Option<String> {
-    let since: Vec<String> = campaign
-        .withdrawn
-        .iter()
-        .filter(|withdrawn| withdrawn.after >= before.batch)
-        .map(|Withdrawn { source, n, .. }| format!("{} of `{source}`", count(*n, "experiment")))
-        .collect();
-    (!since.is_empty()).then(|| format!("what had been imported was withdrawn, {}", all_of(&since)))
 }
 
 /// That what was recommended then has been run since, and was worse than expected.

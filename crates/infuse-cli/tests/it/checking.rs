@@ -75,6 +75,40 @@ fn what_was_done_is_not_advised_again() {
     assert!(!text.contains("leaves room for a narrow"), "nothing is held for one any more: {text}");
 }
 
+/// What the journal has of a simulator is not run again, and what is to come is less that: before, in the middle and after.
+#[test]
+fn simulations_that_were_made_are_neither_tried_nor_counted_again() {
+    let rig = Rig::pooled();
+    let command = "command = [\"sh\", \"-c\", \"echo x >> ran; echo {spring} {damper gain} | awk '{print $1 / 7 + $2}'\"]\njobs = 1";
+    rig.edit("table = \"simulation.csv\"", command);
+    rig.edit("experiments = 10", "experiments = 10\nsimulations = 15");
+    rig.edit("batches = 6", "batches = 2");
+    let n_ran = || std::fs::read_to_string(rig.path("ran")).map_or(0, |ran| ran.lines().count());
+    let n_made = || rig.journal().iter().filter(|line| line["event"] == "simulated").count();
+    let before = check(&rig);
+    assert_eq!((n_ran(), &before["simulations_made"]), (2, &json!(0)), "tried, and once more elsewhere");
+    assert_eq!((&before["simulations_to_come"], &before["simulations_at_most"]), (&json!(40), &json!(40)));
+    rig.batch();
+    let (ran, made) = (n_ran(), n_made());
+    let (middle, text) = (check(&rig), rig.infuse(&["check"]).ok());
+    assert_eq!((n_ran(), &middle["simulations_made"], &middle["simulations_to_come"]), (ran, &json!(made), &json!(15)));
+    assert!(
+        text.contains(&format!("The journal has {made} simulations by this command, so it was not tried")),
+        "{text}"
+    );
+    assert!(text.contains(&format!("  {made} simulations were made, and up to 15 are to come.")), "{text}");
+    assert!(!text.contains("40 simulations"), "{text}");
+    rig.batch();
+    let (ran, made) = (n_ran(), n_made());
+    let (after, text) = (check(&rig), rig.infuse(&["check"]).ok());
+    assert_eq!((n_ran(), &after["simulations_made"], &after["simulations_to_come"]), (ran, &json!(made), &json!(0)));
+    assert!(text.contains(&format!("No simulation is to come any more: {made} were made.")), "{text}");
+    // Another command is tried.
+    rig.edit("$1 / 7", "$1 / 8");
+    assert_eq!(check(&rig)["simulations_made"], json!(0));
+    assert_eq!(n_ran(), ran + 2);
+}
+
 #[test]
 fn choices_are_named() {
     let rig = Rig::pooled();

@@ -68,6 +68,13 @@ fn the_best_measured_design_is_chosen_without_the_shifts_of_batches() {
     rig.infuse(&["report"]).ok();
     let page = rig.read("report.html");
     assert!(page.contains("without shift") && page.contains("measured, less shifts"), "the page says it, too");
+    // Wherever results stand as they were read, beside what is expected: tables, curves, fit, and the best of each batch.
+    for (words, n) in [
+        ("as it was read, with what its batch or source is off by", 3),
+        ("as it was read, with what the batch is off by", 2),
+    ] {
+        assert!(page.matches(words).count() >= n, "{} times: {words}", page.matches(words).count());
+    }
     // Where the loop leaves a drift in the surface, results are compared as they are.
     rig.edit("[loop]", "[loop]\nblocks = false");
     let left = rig.status();
@@ -144,6 +151,8 @@ fn whether_results_speak_for_a_drift_is_said_where_the_file_says_so() {
     let beside_the_drift = of_one_run("the noise of one run is about ");
     assert!((beside_the_drift / noise - 1.0).abs() < 1e-3, "{beside_the_drift} and {noise}");
     assert!(text.contains(" N, with that in it. Does the rig drift"), "{text}");
+    assert!(text.contains("leaves it so: bands and bounds are narrower than they should be"), "{text}");
+    assert_eq!(rig.status()["drift"]["is_taken_in"], json!(false), "{}", rig.status());
 }
 
 /// Equal repeats of one batch are no proof that there is no noise, as those of other batches differ: that is the reason that is said.
@@ -163,4 +172,110 @@ fn on_a_rig_that_drifts_equal_repeats_do_not_make_the_noise_none_and_it_is_said_
     assert_eq!(rig.status()["noise"]["is_contradicted"], json!(false), "{text}");
     assert!(text.contains("By themselves, too, the results are sure of it."), "{text}");
     assert!(ask(&rig)["experiments"].is_array(), "it goes on");
+}
+
+/// Runs of one design on two days that are off by different amounts say nothing of the noise: that is said, and not that there are none.
+#[test]
+fn a_given_noise_is_tested_by_repeats_within_a_batch_alone() {
+    let rig = rig_of(bowl, "noise = 1\nblocks = true\n");
+    rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+    let row = |at: u64, day: &str, shift: f64| {
+        let (a, b) = ((at % 4) as f64 * 2.0 + 1.0, (at / 4) as f64 * 3.0 + 1.0);
+        format!("{a},{b},{:.3},{day}\n", bowl(a, b) + wobble(100 + at) + shift)
+    };
+    let monday: String = (0..9).map(|at| row(at, "monday", 0.0)).collect();
+    let of_noise = || {
+        let text = rig.infuse(&["status"]).ok();
+        text.lines().find(|line| line.starts_with("Noise of one run: ")).unwrap_or_else(|| panic!("{text}")).to_owned()
+    };
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N],source\n{monday}"));
+    rig.infuse(&["import", "old.csv"]).ok();
+    assert!(of_noise().contains(" Nothing was run twice, so nothing has put it to the test."), "{}", of_noise());
+    // One design of them again.
+    let tuesday: String = (8..17).map(|at| row(at, "tuesday", 12.0)).collect();
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N],source\n{tuesday}"));
+    rig.infuse(&["import", "old.csv"]).ok();
+    assert_eq!(rig.status()["noise"]["degrees_of_freedom"], json!(0), "the one repeat is of another day");
+    let said = " No design was run twice within a batch or source, and runs of two of these differ by what they are off by, so nothing has put";
+    assert!(of_noise().contains(said), "{}", of_noise());
+    let twice = row(16, "tuesday", 12.9);
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N],source\n{twice}"));
+    rig.infuse(&["import", "old.csv"]).ok();
+    assert_eq!(rig.status()["noise"]["degrees_of_freedom"], json!(1), "of one day");
+    assert!(!of_noise().contains("put it to the test"), "{}", of_noise());
+}
+
+/// The numbers of a finding and of what belongs to it, by their names.
+fn numbers(finding: &Value) -> BTreeMap<String, f64> {
+    let own = finding["numbers"].as_array().cloned().unwrap_or_default();
+    let own = own.into_iter().filter_map(|one| Some((one["name"].as_str()?.to_owned(), one["value"].as_f64()?)));
+    let details = finding["details"].as_array().cloned().unwrap_or_default();
+    own.chain(details.iter().flat_map(numbers).collect::<Vec<_>>()).collect()
+}
+
+/// Whatever the file says of a drift, `--json` has it, and each finding by how much each batch is off; the log says when it was found.
+#[test]
+fn json_and_log_have_a_drift_whatever_the_file_says() {
+    for blocks in ["", "blocks = true\n", "blocks = false\n"] {
+        let rig = drifted(&[0.0, 12.0, -12.0], blocks);
+        let status = rig.status();
+        assert_eq!(status["drift"]["is_sure"], json!(true), "{blocks}: {status}");
+        assert_eq!(status["drift"]["is_taken_in"], json!(blocks != "blocks = false\n"), "{blocks}");
+        let findings = status["findings"].as_array().unwrap().clone();
+        let of_each = findings.iter().map(numbers).find(|numbers| numbers.contains_key("batch 1 above"));
+        let of_each = of_each.unwrap_or_else(|| panic!("{blocks}: no finding has the shifts: {status}"));
+        for (at, shift) in status["shifts"].as_array().unwrap().iter().enumerate() {
+            let by = of_each[&format!("batch {} above", at + 1)];
+            assert!((by - shift["by"].as_f64().unwrap()).abs() < 1e-9, "{blocks}: {shift} and {by}");
+        }
+        let log = rig.infuse(&["log"]).ok();
+        assert!(log.contains(": `y` drifts, runs of one batch read alike."), "{blocks}: {log}");
+    }
+}
+
+/// What was imported reads 15 higher, and is withdrawn: that is why nothing drifts any more, and no single result.
+#[test]
+fn a_drift_that_went_with_what_was_withdrawn_is_said_to() {
+    let rig = rig_of(bowl, "");
+    rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+    let row = |at: u64| {
+        let (a, b) = ((at % 4) as f64 * 2.0 + 1.0, (at / 4) as f64 * 5.0 + 2.0);
+        format!("{a},{b},{:.3}\n", bowl(a, b) + wobble(100 + at) + 15.0)
+    };
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n{}", (0..12).map(row).collect::<String>()));
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id))), "a batch");
+    assert_eq!(rig.status()["drift"]["is_sure"], json!(true), "{}", rig.status());
+    rig.infuse(&["import", "--withdraw", "notebook"]).ok();
+    let text = rig.infuse(&["status"]).ok();
+    let said = "Since then what had been imported was withdrawn, 12 experiments of `notebook`. `blocks = true` in [loop] keeps it.";
+    assert!(text.contains("after batch 1 the results were sure that runs of one batch read alike in `y`"), "{text}");
+    assert!(text.contains(said) && !text.contains("One result far"), "{text}");
+    if let Some(risen) = text.lines().find(|line| line.contains("It has risen: ")) {
+        assert!(risen.contains("results are not sure any more that runs of one batch read alike in `y`"), "{risen}");
+    }
+    let log = rig.infuse(&["log"]).ok();
+    assert!(log.contains("12 experiments that had been imported from `notebook`."), "{log}");
+}
+
+/// The bound is larger once a drift is taken in: that is why, and not what results differ by.
+#[test]
+fn a_bound_that_has_risen_as_a_drift_is_taken_in_is_said_to() {
+    let mut n_risen = 0;
+    for seed in 1..=4 {
+        let rig = rig_of(bowl, "");
+        rig.edit("[simulator]\ntable = \"simulation.csv\"\n", "");
+        rig.edit("seed = 1", &format!("seed = {seed}"));
+        for shift in [0.0, 12.0] {
+            batch(&rig, |a, b, id| Ok(bowl(a, b) + wobble(id) + shift));
+        }
+        let text = rig.infuse(&["status"]).ok();
+        let Some(risen) = text.lines().find(|line| line.contains("It has risen: ")) else { continue };
+        if rig.status()["drift"]["is_taken_in"] == json!(true) {
+            let said = "It has risen: an error that runs of one batch share in `y` is taken in by now, as results are sure of it";
+            assert!(risen.contains(said), "seed {seed}: {risen}");
+            n_risen += 1;
+        }
+    }
+    assert!(n_risen > 0, "of four campaigns one has a bound that rose with a drift");
 }

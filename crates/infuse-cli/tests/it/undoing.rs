@@ -273,6 +273,57 @@ fn results_that_were_never_told_are_named_when_their_ask_is_taken_back() {
     assert!(said.contains("whether it has results that were never told cannot be read ("), "{said}");
 }
 
+/// The sheet that was asked for under another name is named, and not an older one of the usual name.
+#[test]
+fn a_sheet_under_another_name_is_named_when_what_was_told_from_it_is_taken_back() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    undo(&rig);
+    std::fs::create_dir(rig.path("desk")).unwrap();
+    rig.infuse(&["ask", "--sheet", "desk/other.csv"]).ok();
+    let next = rig.infuse(&["status"]).ok();
+    assert!(next.contains("run what is left in desk/other.csv, then: infuse tell desk/other.csv"), "{next}");
+    rig.fill("desk/other.csv", |id| id <= 2);
+    rig.infuse(&["tell", "desk/other.csv"]).ok();
+    let said = rig.infuse(&["undo"]).stderr;
+    assert!(said.contains("desk/other.csv still has what was taken back, of experiments 1, 2: "), "{said}");
+    let said = rig.infuse(&["undo"]).stderr;
+    assert!(said.contains("desk/other.csv belongs to what was taken back"), "{said}");
+    assert!(!said.contains("sheet-1.csv"), "that is older: {said}");
+    // Asked for anew it is the usual one again.
+    ask(&rig);
+    let said = rig.infuse(&["undo"]).stderr;
+    assert!(said.contains("sheet-1.csv belongs to") && !said.contains("other.csv"), "{said}");
+}
+
+/// One batch may stand in several sheets, and a copy of one may be told: each is named that belongs to what was taken back.
+#[test]
+fn all_sheets_of_what_was_taken_back_are_named() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    rig.infuse(&["ask", "--sheet", "other.csv"]).ok();
+    rig.fill("sheet-1.csv", |id| id == 4);
+    std::fs::copy(rig.path("sheet-1.csv"), rig.path("copy.csv")).unwrap();
+    rig.infuse(&["tell", "copy.csv"]).ok();
+    let said = rig.infuse(&["undo"]).stderr;
+    for sheet in ["copy.csv", "sheet-1.csv"] {
+        assert!(said.contains(&format!("{sheet} still has what was taken back, of experiment 4: ")), "{sheet}: {said}");
+    }
+    assert!(!said.contains("other.csv"), "it is empty: {said}");
+    let said = rig.infuse(&["undo"]).stderr;
+    for sheet in ["other.csv", "sheet-1.csv"] {
+        assert!(said.contains(&format!("{sheet} belongs to what was taken back")), "{sheet}: {said}");
+    }
+    // From elsewhere it is named as one would type it there.
+    let rig = Rig::new();
+    rig.infuse(&["ask", "--sheet", "other.csv"]).ok();
+    let mut from_above = rig.command(&["-C", rig.folder().to_str().unwrap(), "undo"]);
+    let said = from_above.current_dir(rig.folder().parent().unwrap()).output().unwrap();
+    let said = String::from_utf8_lossy(&said.stderr);
+    let path = rig.path("other.csv");
+    assert!(said.contains(&format!("{} belongs to what was taken back", path.display())), "{said}");
+}
+
 /// A row of a sheet, with another value if it is of this experiment.
 fn put_right(line: &str, id: &str, value: &str) -> String {
     let mut cells: Vec<&str> = line.split(',').collect();

@@ -143,8 +143,10 @@ impl Look {
         for (pick, again) in picks.iter_mut().zip(&self.again) {
             *pick = Pick { cell: *again, reason: Reason::Again };
         }
-        if let Some(cell) = self.to_test_noise(knowledge, settings, pending, &picks) {
-            let last = picks.iter().rposition(|pick| pick.reason.is_gain()).unwrap_or(picks.len() - 1);
+        for cell in self.to_test_noise(knowledge, settings, pending, &picks) {
+            let is_other = |pick: &Pick| pick.cell != cell || self.assessment.assembly.is_none();
+            let last = picks.iter().rposition(|pick| pick.reason.is_gain() && is_other(pick));
+            let last = last.or_else(|| picks.iter().rposition(is_other)).unwrap_or(picks.len() - 1);
             picks[last] = Pick { cell, reason: Reason::Noise };
         }
         // No other plant is built for what lies around a find.
@@ -357,22 +359,34 @@ const FEWEST_TO_TEST: usize = 4;
 const ENOUGH_TO_TEST: usize = 2;
 
 impl Look {
-    /// A design to be run again where the noise was given, and hardly anything has been run twice: too little noise would make of every band and
-    /// promise less than it is, and nothing else shows it. The one of the best reading, which is of use anyway; none where plants are
-    /// dear.
+    /// Designs to be run again where the noise was given, and hardly anything has been run twice: too little noise would make of every band and
+    /// promise less than it is, and nothing else shows it. The one of the best reading, which is of use anyway; twice where runs of a batch share
+    /// an error, as then only those of one batch tell the noise; none where plants are dear.
     fn to_test_noise(
         &self,
         knowledge: &Knowledge<'_, '_>,
         settings: &Settings,
         pending: &[Cell],
         picks: &[Pick],
-    ) -> Option<Cell> {
-        let is_given = settings.noise.is_some_and(|noise| noise > 0.0) && self.assessment.assembly.is_none();
+    ) -> Vec<Cell> {
+        let is_given = settings.noise.is_some_and(|noise| noise > 0.0) && settings.plants.is_none();
+        if !is_given || picks.len() < FEWEST_TO_TEST || self.assessment.n_repeats >= ENOUGH_TO_TEST {
+            return Vec::new();
+        }
+        if self.assessment.assembly.is_some() {
+            return self.twice_in_one_batch(pending, picks);
+        }
         let measured = |cell: &Cell| knowledge.measured.contains(cell);
-        let is_tested = self.assessment.n_repeats >= ENOUGH_TO_TEST
-            || pending.iter().any(measured)
-            || picks.iter().any(|pick| measured(&pick.cell));
-        (is_given && !is_tested && picks.len() >= FEWEST_TO_TEST).then_some(self.best_read)
+        let is_tested = pending.iter().any(measured) || picks.iter().any(|pick| measured(&pick.cell));
+        if is_tested { Vec::new() } else { vec![self.best_read] }
+    }
+
+    /// What has to be added to a batch so that it runs a design twice, unless it does or what is waited for does.
+    fn twice_in_one_batch(&self, pending: &[Cell], picks: &[Pick]) -> Vec<Cell> {
+        let is_twice = |cells: &[Cell]| cells.iter().collect::<BTreeSet<_>>().len() < cells.len();
+        let picked = Pick::cells(picks);
+        let n_there = usize::from(picked.contains(&self.best_read));
+        if is_twice(pending) || is_twice(&picked) { Vec::new() } else { vec![self.best_read; 2 - n_there] }
     }
 }
 

@@ -349,6 +349,37 @@ fn noise_that_is_given_is_put_to_the_test() {
     }
 }
 
+/// Where runs of a batch share an error, only those of one batch tell the noise: then one batch runs the best that was measured twice.
+#[test]
+fn noise_that_is_given_is_put_to_the_test_within_a_batch_where_the_rig_drifts() {
+    for seed in 1..=4 {
+        let mut settings = batches(8, 4, seed);
+        (settings.noise, settings.blocks) = (Some(0.02), Some(true));
+        let mut campaign = campaign(2, 21, settings);
+        let mut n_tested = 0;
+        while let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("no fault") {
+            let for_that: Vec<_> =
+                trials.iter().filter(|trial| campaign.reason(trial.id) == Some(Reason::Noise)).collect();
+            if let Some(first) = for_that.first() {
+                let n = trials.iter().filter(|trial| trial.cell == first.cell).count();
+                assert_eq!((n, first.batch > 1), (2, true), "runs of one design in a batch, seed {seed}");
+                n_tested += 1;
+            }
+            for trial in trials {
+                let shift = [0.0, 0.3, -0.3, 0.2][trial.batch - 1];
+                let response = noisy(seed, 0.02, truth)(&trial).expect("a response") + shift;
+                campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+            }
+        }
+        let found = assessed(&mut campaign);
+        assert!(
+            n_tested <= 2 && found.n_repeats >= 2,
+            "{n_tested} batches tested it, seed {seed}: {}",
+            found.n_repeats
+        );
+    }
+}
+
 /// A noise of zero is a promise: kept, it is believed; broken by repeats that differ, the campaign goes on.
 #[test]
 fn noise_of_zero_is_taken_whether_or_not_repeats_agree() {

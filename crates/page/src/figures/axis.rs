@@ -49,8 +49,8 @@ pub enum ColorScale {
     NearHighest,
     /// Bands that hold equally many values.
     EqualShares,
-    /// Bands of about the same ratio, with borders at powers of ten, and within them where they are few; the lowest value has the
-    /// darkest color. As `Linear` if a value is not positive or all are nearly the same.
+    /// Bands of about the same ratio, with borders at powers of ten, and within them where they are few or near the lowest value, which has
+    /// the darkest color. As `Linear` if a value is not positive or all are nearly the same.
     RatiosFromLowest,
     /// The same, with the darkest color for the highest value.
     RatiosFromHighest,

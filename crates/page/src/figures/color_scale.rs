@@ -214,9 +214,47 @@ fn round_ratios(ranked: &[f64], sign: f64) -> Option<Vec<f64>> {
         (0..=decades.div_ceil(stride)).map(|step| Some(10_f64.powi(from + i32::try_from(step * stride).ok()?)));
     let powers = powers.collect::<Option<Vec<f64>>>()?;
     let all: Vec<f64> = powers.iter().flat_map(|power| within.iter().map(move |times| times * power)).collect();
-    let begin = all.iter().rposition(|border| *border <= lowest * (1.0 + 1e-9))?;
-    let end = all.iter().position(|border| *border >= highest * (1.0 - 1e-9))?;
-    Some(all[begin..=end].to_vec())
+    let covering = |all: Vec<f64>| {
+        let begin = all.iter().rposition(|border| *border <= lowest * (1.0 + 1e-9))?;
+        let end = all.iter().position(|border| *border >= highest * (1.0 - 1e-9))?;
+        Some(all[begin..=end].to_vec())
+    };
+    covering(finer_near_first(&covering(all)?, sign))
+}
+
+/// Bands of the first colors that are split.
+const SPLIT: usize = 2;
+
+/// Ascending borders with others within the bands at their low end, or at the high end where the sign is negative: what is nearly as good as
+/// the best is told apart.
+fn finer_near_first(borders: &[f64], sign: f64) -> Vec<f64> {
+    let n_bands = borders.len().saturating_sub(1);
+    let is_split = |band: usize| if sign > 0.0 { band < SPLIT } else { band + SPLIT >= n_bands };
+    let mut finer = Vec::new();
+    for (band, pair) in borders.windows(2).enumerate() {
+        finer.push(pair[0]);
+        finer.extend(if is_split(band) { within(pair[0], pair[1]) } else { Vec::new() });
+    }
+    finer.extend(borders.last());
+    finer
+}
+
+/// Round numbers between two, the first of which is round.
+fn within(low: f64, high: f64) -> Vec<f64> {
+    let (from, to) = (low.log10(), high.log10());
+    let times: &[f64] = match to - from {
+        // In the middle of several powers of ten.
+        several if several > 2.5 => return vec![10_f64.powi((0.5 * (from + to)).round() as i32)],
+        two if two > 1.5 => &[2.0, 5.0, 10.0, 30.0],
+        one if one > 0.8 => &[2.0, 5.0],
+        _ => &[1.5, 2.0, 3.0, 5.0, 7.0],
+    };
+    let power = 10_f64.powi((from + 1e-9).floor() as i32);
+    times
+        .iter()
+        .map(|times| times * power)
+        .filter(|one| *one > low * (1.0 + 1e-9) && *one < high * (1.0 - 1e-9))
+        .collect()
 }
 
 /// The bar beside the frame of a whole figure.
@@ -315,31 +353,40 @@ mod tests {
     }
 
     #[test]
-    fn the_same_ratio_is_as_many_colors_everywhere() {
+    fn the_same_ratio_is_as_many_colors_everywhere_but_near_the_best() {
         let decades = bands(ColorScale::RatiosFromLowest, &[3e-9, 1e-6, 2e-3]);
         assert_eq!(
             decades.texts.first().zip(decades.texts.last()),
-            Some((&"1e\u{2212}9".into(), &"1e\u{2212}2".into()))
+            Some((&"2e\u{2212}9".into(), &"1e\u{2212}2".into()))
         );
         let band = |value: f64| (0..decades.count()).find(|&band| decades.color(band) == decades.color_of(value));
-        assert_eq!((band(1.5e-9), band(3e-9), band(3e-8), band(3e-4)), (Some(0), Some(0), Some(1), Some(5)));
+        assert_eq!((band(1.5e-9), band(3e-9), band(3e-8), band(3e-4)), (Some(0), Some(0), Some(3), Some(8)));
         let mirrored = bands(ColorScale::RatiosFromHighest, &[3e-9, 1e-6, 2e-3]);
         let few = [0, 1, 2].map(|band| mirrored.text(band));
-        assert_eq!(few, ["1e\u{2212}2", "1e\u{2212}3", "1e\u{2212}4"], "all as powers of ten");
-        assert_eq!((mirrored.color_of(7e-3), mirrored.color_of(1.5e-4)), (mirrored.color(0), mirrored.color(1)));
+        assert_eq!(few, ["2e\u{2212}3", "1e\u{2212}3", "5e\u{2212}4"], "all as powers of ten");
+        assert_eq!((mirrored.color_of(7e-3), mirrored.color_of(1.5e-4)), (mirrored.color(0), mirrored.color(3)));
         let some = bands(ColorScale::RatiosFromLowest, &[1.0, 4000.0]);
         assert_eq!(
             some.texts,
-            ["1", "3", "10", "30", "100", "300", "1000", "3000", "10000"],
-            "no power of ten in one color"
+            ["1", "1.5", "2", "3", "5", "7", "10", "30", "100", "300", "1000", "3000", "10000"],
+            "no power of ten in one color, and the first more finely"
         );
-        assert_eq!(bands(ColorScale::RatiosFromLowest, &[3.0, 45.0]).texts, ["2", "5", "10", "20", "50"]);
+        assert_eq!(bands(ColorScale::RatiosFromLowest, &[3.0, 45.0]).texts, ["3", "5", "7", "10", "20", "50"]);
         assert!(bands(ColorScale::RatiosFromLowest, &[1e-90, 1e90]).count() <= 12);
-        for exponent in 1..=12 {
+        let eleven = bands(ColorScale::RatiosFromLowest, &[1.0, 0.9e11]);
+        assert!(eleven.texts[..5] == ["1e0", "2e0", "5e0", "1e1", "3e1"] && eleven.count() <= 14, "{:?}", eleven.texts);
+        for exponent in 1..=10 {
             let bands = bands(ColorScale::RatiosFromLowest, &[1.0, 0.9 * 10_f64.powi(exponent)]);
             let ratios: Vec<f64> = bands.borders.windows(2).map(|pair| (pair[1] / pair[0]).ln()).collect();
-            let ends = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), one| (low.min(*one), high.max(*one)));
-            assert!(ends.1 < 1.5 * ends.0 && (3..=12).contains(&bands.count()), "{exponent}: {:?}", bands.borders);
+            let ends = |ratios: &[f64]| {
+                ratios.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), one| (low.min(*one), high.max(*one)))
+            };
+            // Near the best some are split: there no color is of a factor of more than 2.5.
+            let n_fine = ratios.iter().position(|ratio| *ratio > 2.6_f64.ln()).unwrap_or(ratios.len());
+            let (fine, rest) = (ends(&ratios[..n_fine]), ends(&ratios[n_fine..]));
+            assert!(n_fine >= 3 && fine.1 < 2.6_f64.ln(), "{exponent}: {:?}", bands.borders);
+            assert!(n_fine == ratios.len() || rest.1 < 1.5 * rest.0, "{exponent}: {:?}", bands.borders);
+            assert!((3..=14).contains(&bands.count()), "{exponent}: {:?}", bands.borders);
         }
         assert_eq!(bands(ColorScale::RatiosFromLowest, &[-1.0, 4.0]).texts.first(), Some(&"\u{2212}1.0".into()));
     }

@@ -8,7 +8,7 @@ use infuse::pooled::StopBy;
 use page::Finding;
 use serde_json::{Value, json};
 
-use crate::campaign::{Budget, Campaign, Reserve};
+use crate::campaign::{Budget, Campaign, Reserve, Stage};
 use crate::findings::WITHOUT_RESERVE;
 use crate::number::{count, grouped, percent, plain, seconds};
 use crate::problem::{Problem, Scale, Simulator};
@@ -30,11 +30,11 @@ pub(super) fn in_words(
     took: Option<Duration>,
 ) -> Result<(Vec<Finding>, Value)> {
     let problem = campaign.problem();
-    let Budget { terms, experiments, batches, simulations, grid, without_reserve } = budget;
+    let Budget { terms, experiments, batches, simulations, grid, without_reserve, .. } = budget;
     let allowed = allowed(problem, grid);
-    let n_simulations = simulations_in_all(budget, problem, allowed);
+    let simulations_of_all = simulations_of_all(campaign, budget, allowed)?;
     let mut findings = vec![whole(budget, problem, allowed)];
-    findings.extend(simulated(campaign, budget, took, n_simulations)?);
+    findings.extend(simulated(campaign, budget, took, simulations_of_all)?);
     let costs = problem.costs.as_ref().map(|costs| {
         let (of_batch, n_plants) = costs.at_most(*experiments);
         let in_all = of_batch * *batches as f64;
@@ -63,7 +63,8 @@ pub(super) fn in_words(
         "designs_allowed": allowed.filter(|_| designs(problem, grid).is_some()).and_then(Allowed::exactly),
         "share_allowed": allowed.map(|allowed| allowed.share(grid)), "terms": terms,
         "experiments_per_batch": experiments, "batches": batches, "runs_at_most": experiments * batches,
-        "simulations_per_batch": simulations, "simulations_at_most": n_simulations, "costs": costs,
+        "simulations_per_batch": simulations, "simulations_made": simulations_of_all.n_made,
+        "simulations_to_come": simulations_of_all.n_to_come, "simulations_at_most": simulations_of_all.at_most(), "costs": costs,
         "designs_without_reserve": without_reserve, "seconds_to_choose": choosing.map(|took| took.as_secs_f64()),
     });
     Ok((findings, json))
@@ -179,18 +180,44 @@ fn reserved(reserve: Reserve, budget: &Budget, problem: &Problem) -> Option<Find
     Some(Finding::new(sentence).with(WITHOUT_RESERVE, n as f64, "1"))
 }
 
-/// Simulations of the whole campaign, at most; none where they are looked up.
-fn simulations_in_all(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> u64 {
-    if matches!(problem.simulator, Simulator::Nothing | Simulator::Table(_)) {
-        return 0;
+/// Simulations of the whole campaign; none where they are looked up.
+#[derive(Debug, Clone, Copy, Default)]
+struct OfAll {
+    /// Those that are in the journal.
+    n_made: u64,
+    /// At most.
+    n_to_come: u64,
+}
+
+impl OfAll {
+    fn at_most(self) -> u64 {
+        self.n_made + self.n_to_come
     }
+}
+
+fn simulations_of_all(campaign: &dyn Campaign, budget: &Budget, allowed: Option<Allowed>) -> Result<OfAll> {
+    if matches!(campaign.problem().simulator, Simulator::Nothing | Simulator::Table(_)) {
+        return Ok(OfAll::default());
+    }
+    let n_made = campaign.simulations_made().len() as u64;
     let n_cells = allowed.and_then(Allowed::exactly).unwrap_or(budget.grid.n_cells());
-    let of_batches = budget.simulations.map(|n| (n * budget.batches + budget.experiments) as u64);
-    of_batches.map_or(n_cells, |n| n.min(n_cells))
+    let n_waited = campaign.waits_for_simulations()?.len() as u64;
+    let n_left = if has_ended(campaign)? { 0 } else { budget.n_left };
+    let n_to_come = match (budget.simulations, campaign.experiments().last_batch()) {
+        (None, _) => n_waited,
+        // What of the first batch was made stays made.
+        (Some(n), None) => ((n * n_left + budget.experiments) as u64).saturating_sub(n_made),
+        (Some(n), Some(_)) => (n * n_left) as u64 + n_waited,
+    };
+    Ok(OfAll { n_made, n_to_come: n_to_come.min(n_cells.saturating_sub(n_made)) })
+}
+
+fn has_ended(campaign: &dyn Campaign) -> Result<bool> {
+    Ok(matches!(campaign.stage()?, Stage::Ended { .. }))
 }
 
 /// What is simulated, and how long it takes.
-fn simulated(campaign: &dyn Campaign, budget: &Budget, took: Option<Duration>, in_all: u64) -> Result<Vec<Finding>> {
+fn simulated(campaign: &dyn Campaign, budget: &Budget, took: Option<Duration>, of_all: OfAll) -> Result<Vec<Finding>> {
     let jobs = match &campaign.problem().simulator {
         Simulator::Nothing => return Ok(Vec::new()),
         Simulator::Table(_) => return Ok(vec![Finding::new("A batch costs no simulation: they are looked up.")]),
@@ -201,35 +228,51 @@ fn simulated(campaign: &dyn Campaign, budget: &Budget, took: Option<Duration>, i
         let time = took.map(|took| took.mul_f64(n.div_ceil(jobs as u64) as f64));
         time.map_or_else(String::new, |time| format!(", some {} at {jobs} at once", seconds(time)))
     };
-    let n_all = Finding::new(format!("That is up to {} in all{}.", count_of(in_all), time(in_all))).with(
-        "simulations at most",
-        in_all as f64,
-        "1",
-    );
+    let OfAll { n_made, n_to_come } = of_all;
+    let in_all = if n_made > 0 {
+        let were = if n_made == 1 { "was" } else { "were" };
+        format!("{} {were} made, and up to {} are to come{}.", count_of(n_made), grouped(n_to_come), time(n_to_come))
+    } else {
+        format!("That is up to {} in all{}.", count_of(n_to_come), time(n_to_come))
+    };
+    let in_all = Finding::new(in_all).with("simulations made", n_made as f64, "1");
+    let in_all = in_all.with("simulations to come at most", n_to_come as f64, "1");
+    if n_to_come == 0 && budget.simulations.is_some() {
+        let sentence = format!("No simulation is to come any more: {}", made_so_far(n_made));
+        return Ok(vec![Finding::new(sentence).with("simulations made", n_made as f64, "1")]);
+    }
     let is_begun = campaign.experiments().last_batch().is_some();
     Ok(match (budget.simulations, is_begun) {
         (Some(n), _) => {
-            let of_first = ((n + budget.experiments) as u64).min(in_all);
+            let of_first = ((n + budget.experiments) as u64).min(of_all.at_most());
             let first = match is_begun {
                 true => String::new(),
                 false => format!("; the first up to {of_first}, as its experiments are simulated, too"),
             };
-            let sentence = format!("A batch costs up to {}{}{first}.", count(n, "simulation"), time(n as u64));
-            vec![Finding::new(sentence).with("simulations a batch", n as f64, "1").detail(n_all)]
+            let n = (n as u64).min(n_to_come);
+            let sentence = format!("A batch costs up to {}{}{first}.", count_of(n), time(n));
+            vec![Finding::new(sentence).with("simulations a batch", n as f64, "1").detail(in_all)]
         }
-        (None, false) => {
-            let sentence = format!(
-                "Before the first batch all {} designs are simulated{}; then none.",
-                grouped(in_all),
-                time(in_all)
-            );
-            vec![Finding::new(sentence).with("simulations", in_all as f64, "1")]
-        }
-        (None, true) => vec![Finding::new(match campaign.waits_for_simulations()?.len() as u64 {
-            0 => "A batch costs no simulation any more: all designs were simulated.".to_owned(),
-            n => format!("Before the next batch {} are made{}; then none.", count_of(n), time(n)),
-        })],
+        (None, _) => vec![all_designs(is_begun || n_made > 0, n_to_come, &time(n_to_come))],
     })
+}
+
+/// Where all designs are simulated before the first batch.
+fn all_designs(is_begun: bool, n_to_come: u64, time: &str) -> Finding {
+    Finding::new(match (is_begun, n_to_come) {
+        (false, n) => format!("Before the first batch all {} designs are simulated{time}; then none.", grouped(n)),
+        (true, 0) => "A batch costs no simulation any more: all designs were simulated.".to_owned(),
+        (true, n) => format!("Before the next batch {} are made{time}; then none.", count_of(n)),
+    })
+    .with("simulations", n_to_come as f64, "1")
+}
+
+fn made_so_far(n: u64) -> String {
+    match n {
+        0 => "none was made.".to_owned(),
+        1 => "1 was made.".to_owned(),
+        n => format!("{} were made.", grouped(n)),
+    }
 }
 
 fn count_of(n: u64) -> String {

@@ -24,7 +24,7 @@ pub(crate) fn check(folder: &Path) -> Result<Output> {
     let notices = campaign.take_notices();
     let problem = campaign.problem();
     let budget = campaign.budget()?;
-    let tried = tried::try_commands(folder, problem, &budget.grid)?;
+    let tried = tried::try_commands(&*campaign, &budget.grid)?;
     let mut findings = vec![right(problem)];
     findings.extend(tried.findings);
     let (costs, mut json) = budget::in_words(&*campaign, &budget, tried.took)?;

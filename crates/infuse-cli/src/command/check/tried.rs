@@ -9,9 +9,9 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use super::budget::is_allowed;
-use crate::campaign::checked;
+use crate::campaign::{Campaign, checked};
 use crate::journal::Measured;
-use crate::number::{grouped, plain, seconds, with_unit};
+use crate::number::{count, grouped, plain, seconds, with_unit};
 use crate::problem::{PROBLEM, Problem, Program, Simulator};
 use crate::program::{Ran, is_interrupted};
 use crate::simulator::looked_up;
@@ -34,9 +34,13 @@ pub(super) struct Tried {
 }
 
 /// Looks the simulation up or runs it, and asks whether the same design can be built.
-pub(super) fn try_commands(folder: &Path, problem: &Problem, grid: &Grid) -> Result<Tried> {
+pub(super) fn try_commands(campaign: &dyn Campaign, grid: &Grid) -> Result<Tried> {
+    let (folder, problem) = (campaign.folder(), campaign.problem());
     let designs = designs(problem, grid)?;
-    let mut tried = try_simulator(folder, problem, grid, &designs)?;
+    let mut tried = match is_known(problem, &campaign.simulations_made()) {
+        Some(known) => known,
+        None => try_simulator(folder, problem, grid, &designs)?,
+    };
     if let (Some(program), Some(point)) = (&problem.can_be_built, designs.first()) {
         let (start, at) = (Instant::now(), problem.describe(point));
         let can_be_built = program
@@ -71,6 +75,26 @@ fn designs(problem: &Problem, grid: &Grid) -> Result<Vec<Vec<f64>>> {
     Ok(points)
 }
 
+/// What the journal has of the command need not be run again; one that never gave a value is tried.
+fn is_known(problem: &Problem, made: &[Measured]) -> Option<Tried> {
+    let values: Vec<f64> = made.iter().filter_map(Measured::value).collect();
+    if problem.simulator.queue().is_some() || values.is_empty() {
+        return None;
+    }
+    let n = count(made.len(), "simulation");
+    let sentence = format!(
+        "The journal has {n} by this command, so it was not tried; `infuse ask --resimulate` makes all anew, if the program behind it is another."
+    );
+    let mut finding = Finding::new(sentence).with("simulations made", made.len() as f64, "1");
+    if values.len() > 1 && values.windows(2).all(|two| two[0].to_bits() == two[1].to_bits()) {
+        finding = finding.detail(Finding::new(ALL_THE_SAME));
+    }
+    Some(Tried { findings: vec![finding], json: json!({ "made": made.len() }), took: None, can_be_built: None })
+}
+
+/// What is said of a simulation that tells no designs apart.
+const ALL_THE_SAME: &str = "Careful: all of them have the same value: such a simulation tells nothing.";
+
 fn try_simulator(folder: &Path, problem: &Problem, grid: &Grid, designs: &[Vec<f64>]) -> Result<Tried> {
     let nothing =
         |finding: Finding, json: Value| Tried { findings: vec![finding], json, took: None, can_be_built: None };
@@ -86,8 +110,7 @@ fn try_simulator(folder: &Path, problem: &Problem, grid: &Grid, designs: &[Vec<f
             let sentence = format!("{}: {n_rows} of {n_cells} designs are simulated.", path.display());
             let mut finding = Finding::new(sentence).with("rows", n as f64, "1");
             if n > 1 && rows.values().windows(2).all(|two| two[0].to_bits() == two[1].to_bits()) {
-                let sentence = "Careful: all of them have the same value: such a simulation tells nothing.";
-                finding = finding.detail(Finding::new(sentence));
+                finding = finding.detail(Finding::new(ALL_THE_SAME));
             }
             Ok(nothing(finding, json!({ "rows": n })))
         }
@@ -175,6 +198,6 @@ fn run_one(folder: &Path, problem: &Problem, program: &Program, designs: &[Vec<f
         }
     }
     let said = findings.iter().map(Finding::sentence).collect::<Vec<_>>().join("\n  ");
-    let n = crate::number::count(designs.len(), "design");
+    let n = count(designs.len(), "design");
     bail!("{PROBLEM} is right, but the simulator gave no value at {n}:\n  {said}")
 }

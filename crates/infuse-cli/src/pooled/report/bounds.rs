@@ -4,7 +4,7 @@ use page::palette::{BLUE, INK, LIGHT_BLUE, VERMILION};
 use page::{Axis, Chart, Grid, Key, Mark, Page, Stroke};
 
 use super::curves::draw_curve;
-use super::view::View;
+use super::view::{AS_READ, View};
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::problem::Held;
 
@@ -29,7 +29,9 @@ pub(super) fn write(page: &mut Page, view: &View) {
         ];
         let caption = "A design is recommended if it keeps to every bound with the probability that is asked for. The band is \
                        without the noise of a run.";
-        page.charts(&charts, &keys, caption);
+        let is_shared = view.found.constrained_shared.get(index).is_some_and(Option::is_some);
+        let as_read = if is_shared { AS_READ } else { "" };
+        page.charts(&charts, &keys, &format!("{caption}{as_read}"));
     }
 }
 

@@ -5,7 +5,8 @@ use design_space::Cell;
 use page::palette::{BLUE, INK, LIGHT_BLUE, ORANGE, VERMILION};
 use page::{Chart, Grid, Key, Mark, Page, Stroke};
 
-use super::view::{Run, View};
+use super::super::best::has_shifts;
+use super::view::{AS_READ, Run, View};
 use crate::pooled::campaign::{Access, Origin};
 
 const SIZE_PX: (f64, f64) = (448.0, 270.0);
@@ -197,6 +198,9 @@ fn caption(view: &View, drawn: &[Drawn]) -> String {
             " A run that was made at other settings of the other parameters is moved to the line along the surface: it is \
              drawn as far from the curve as it was from what is expected where it was made.",
         );
+    }
+    if has_shifts(&view.found) {
+        text.push_str(AS_READ);
     }
     if view.runs.iter().any(|run| matches!(run.origin, Origin::Imported(_))) {
         text.push_str(" Imported experiments are among them.");

@@ -3,7 +3,8 @@
 use page::palette::{BLUE, GRID, INK, LIGHT_BLUE};
 use page::{Axis, Chart, Grid, Key, Mark, Page, Stroke};
 
-use super::view::{Run, View};
+use super::super::best::has_shifts;
+use super::view::{AS_READ, Run, View};
 use crate::number::percent;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::Origin;
@@ -164,8 +165,8 @@ fn caption(view: &View, has_simulation: bool, n_charts: usize) -> String {
             view.response().amount(view.found.noise)
         ));
     }
-    if !view.found.shifts.is_empty() {
-        text.push_str(" What runs of a batch share is not taken off.");
+    if has_shifts(&view.found) {
+        text.push_str(AS_READ);
     }
     if has_simulation {
         let place = if n_charts > 3 { "Fourth" } else { "Third" };

@@ -41,7 +41,7 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
         return Ok(());
     }
     write_charts(page, campaign)?;
-    write_table(page, campaign, &best_of_batches(campaign));
+    write_table(page, campaign, &best_of_batches(campaign), as_read(with_shifts(campaign)?.is_some()));
     Ok(())
 }
 
@@ -57,18 +57,24 @@ pub(super) fn write_charts(page: &mut Page, campaign: &Campaign) -> Result<()> {
     let kept = if campaign.problem.constraints.is_empty() { "" } else { " of those that keep to their bounds" };
     let shifted =
         if found.is_some() { ", all without what their batches are off by, as far as that is known now" } else { "" };
+    let as_read = as_read(found.is_some());
     let below = match campaign.problem.costs {
         Some(_) => " Beside it: the bound against what the experiments so far have cost, plants included.",
         None => "",
     };
     let caption = format!(
         "Left: what is expected of the recommended design after each batch, with its band of 90 %, and the best that was \
-         measured in the batch. Middle: no design is better than the recommended one by more than the bound, with the \
+         measured in the batch{as_read}. Middle: no design is better than the recommended one by more than the bound, with the \
          probability of the certificate; beside it the same by the surface alone; what is next to nothing stands on the lower border.{worth} Right: the share of all designs that may still be the best. Below: \
          every experiment of the campaign, and the best so far{kept}{shifted}.{below}"
     );
     page.charts(&charts, &[], &caption);
     Ok(())
+}
+
+/// What is said of the best of a batch where batches are off.
+fn as_read(has_shifts: bool) -> &'static str {
+    if has_shifts { ", as it was read, with what the batch is off by" } else { "" }
 }
 
 /// The best mean of an experiment of each batch that kept to its bounds.
@@ -231,7 +237,7 @@ fn draw(chart: &mut Chart, points: &Line) {
     }
 }
 
-fn write_table(page: &mut Page, campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) {
+fn write_table(page: &mut Page, campaign: &Campaign, of_batches: &BTreeMap<usize, f64>, as_read: &str) {
     let mut probabilities: Vec<f64> = campaign.history.values().map(|known| known.probability).collect();
     probabilities.dedup();
     let (table, with) = match probabilities.as_slice() {
@@ -240,7 +246,7 @@ fn write_table(page: &mut Page, campaign: &Campaign, of_batches: &BTreeMap<usize
     };
     let caption = format!(
         "What was known after each batch. Bound: no design is better by more{with}; by the surface alone: the same, were the surface believed as it is. Left: the share of designs that may still \
-         be the best. Noise: standard deviation of one run, as the surface has it. Best measured: in the batch.{}",
+         be the best. Noise: standard deviation of one run, as the surface has it. Best measured: in the batch{as_read}.{}",
         match campaign.problem.response.scale {
             Scale::Linear => "",
             Scale::Log => " Bands, bounds and noise are factors.",

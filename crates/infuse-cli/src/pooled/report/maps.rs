@@ -9,7 +9,6 @@ use page::{Key, Mark, Page};
 use super::view::{View, without_marks};
 use crate::number::percent;
 use crate::pooled::campaign::{Access, Origin};
-use crate::problem::Scale;
 use crate::report::maps::{self, Apart, Map, Maps, Plane, most_varied};
 
 /// Of designs that are not sure enough to keep to their bounds, and of those that are not to be had at all.
@@ -97,12 +96,8 @@ fn legend(maps: &Maps, shown: &[Map]) -> Vec<Key> {
 fn caption(view: &View) -> String {
     let problem = &view.campaign.problem;
     let mut text = format!(
-        "Color: {} as expected; darker is better{}.",
-        problem.response.heading(),
-        match problem.response.scale {
-            Scale::Linear => ", and colors change faster near the best",
-            Scale::Log => "",
-        }
+        "Color: {} as expected; darker is better, and colors change faster near the best.",
+        problem.response.heading()
     );
     if view.parameters().len() > 2 {
         text.push_str(&format!(

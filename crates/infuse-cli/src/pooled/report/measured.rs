@@ -10,7 +10,7 @@ use page::{Column, Page, Table};
 
 use super::super::best::has_shifts;
 use super::nothing::NOTHING;
-use super::view::{Run, View};
+use super::view::{AS_READ, Run, View};
 use crate::number::{resolved, short};
 use crate::pooled::bands::{NINE_IN_TEN, resolution};
 use crate::pooled::campaign::Origin;
@@ -26,7 +26,10 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
     let caption = "The designs that measured best, by the mean of their runs; a run at settings between designs counts for \
                    the nearest.";
     let caption = match has_shifts(&view.found) {
-        true => format!("{caption} Without shift: without what their batches are off by, by which they are ordered."),
+        true => format!(
+            "{caption} Measured: as it was read. Without shift: without what their batches are off by, by which they are ordered; \
+             expected: in the mean over batches and sources."
+        ),
         false => caption.to_owned(),
     };
     let caption = match view.campaign.problem.constraints.is_empty() {
@@ -39,7 +42,8 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
         let table = telling_table(view, &telling)?;
         let caption = "The experiments that taught most: those farthest from what all others say of their settings, in \
                        standard deviations. Far is more than 4.";
-        page.table(&table, caption);
+        let as_read = if has_shifts(&view.found) { AS_READ } else { "" };
+        page.table(&table, &format!("{caption}{as_read}"));
     }
     Ok(())
 }

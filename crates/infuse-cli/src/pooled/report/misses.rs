@@ -3,6 +3,7 @@
 use page::palette::{BLUE, INK};
 use page::{Chart, Grid, Key, Mark, Page, Stroke};
 
+use super::super::best::has_shifts;
 use super::view::View;
 use crate::pooled::campaign::Origin;
 use crate::problem::Scale;
@@ -60,6 +61,9 @@ pub(super) fn write(page: &mut Page, view: &View) {
         caption.push_str(
             " The simulation is taken as it stands here; a part of what it misses is its displacement, which the surface makes up for.",
         );
+    }
+    if has_shifts(&view.found) {
+        caption.push_str(" Results are as they were read, with what their batches or sources are off by.");
     }
     page.charts(&charts, &keys, &caption);
 }

@@ -15,6 +15,9 @@ use crate::problem::{Held, Response};
 use crate::report::axes;
 use crate::report::maps::{Maps, Plane, Thinned, axis_of, thinned};
 
+/// What a caption says where results stand beside what is expected of them, and batches are off.
+pub(super) const AS_READ: &str = " What was measured is drawn, or written, as it was read, with what its batch or source is off by; what is \
+                                  expected is the mean over batches and sources.";
 /// Levels at which a curve is evaluated, at most.
 const MOST_LEVELS: usize = 121;
 
