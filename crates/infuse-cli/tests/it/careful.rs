@@ -231,7 +231,7 @@ fn noise_that_repeats_do_not_tell_is_said_not_to_be_known() {
 /// One result a batch, and a `worth` that any bound would meet: nothing is promised before there are six results.
 #[test]
 fn too_few_results_promise_nothing_and_end_nothing() {
-    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "[stop]\nworth = 1e6\n");
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "[stop]\nworth = 1e6\nsmooth = true\n");
     let file =
         rig.read("campaign.toml").replace("experiments = 10", "experiments = 1").replace("batches = 5", "batches = 7");
     rig.write("campaign.toml", &file);
@@ -249,6 +249,21 @@ fn too_few_results_promise_nothing_and_end_nothing() {
         assert_eq!([status["bound"].is_null(), status["needed"] == json!({ "readings": 6 })], [n < 6; 2], "{status}");
         rig.infuse(&["report"]).ok();
     }
+}
+
+/// Ten results that may be noise alone promise nothing, whatever another batch has to be worth.
+#[test]
+fn results_that_may_be_noise_alone_promise_nothing() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "[stop]\nworth = 1e6\n");
+    let n = ask(&rig)["experiments"].as_array().unwrap().len();
+    for id in 1..=n {
+        let off = [0.3, -1.1, 0.6, 0.2, -0.4, 1.4, -0.7, -0.1, 0.9, -1.2][id % 10];
+        rig.infuse(&["tell", "--id", &id.to_string(), "--value", &(7.0 + 0.1 * off).to_string()]).ok();
+    }
+    let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
+    let said = "cannot be said before results tell of the parameters: these may be noise alone. Go on.";
+    assert!(text.contains(said), "{text}");
+    assert_eq!((status["bound"].is_null(), &status["needed"]), (true, &json!("signal")), "{status}");
 }
 
 /// Two of 24 settings are far off, and were run once; eight runs of another differ by 0.1.

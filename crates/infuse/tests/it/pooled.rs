@@ -728,6 +728,7 @@ fn a_certificate_needs_as_many_readings_as_tell_a_plane_from_its_noise() {
     for alike in [false, true] {
         let mut settings = batches(1, 9, 1);
         settings.worth = Some(1e9);
+        settings.smooth = true;
         let mut campaign = campaign(2, 21, settings);
         for n in 1..=6 {
             let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
@@ -745,6 +746,29 @@ fn a_certificate_needs_as_many_readings_as_tell_a_plane_from_its_noise() {
         let next = campaign.ask(Some(&mut simulation)).expect("an answer");
         assert_eq!(next == Ask::Stopped(StopReason::NotWorthIt), !alike, "readings that are all equal tell nothing");
     }
+}
+
+/// On a plateau readings differ by their noise, and a multiple of that is no measure of a well: nothing is promised. From twenty designs a
+/// parameter on it is, as it is where no well is narrow, and where the readings tell of the parameters.
+#[test]
+fn noise_alone_promises_nothing() {
+    let needed = |n_runs: usize, smooth: bool, slope: f64| {
+        let mut settings = batches(n_runs, 2, 1);
+        settings.smooth = smooth;
+        let mut campaign = campaign(2, 21, settings);
+        let mut experiment = noisy(5, 0.1, move |point: &[f64]| slope * point[0]);
+        let cells: Vec<Cell> = (0..n_runs as u64).map(|run| Cell::new((run * 37) % 441)).collect();
+        for trial in campaign.hand_out(&cells).expect("cells of the grid") {
+            campaign.tell(trial.id, experiment(&trial).into()).expect("an outstanding trial");
+        }
+        let found = campaign.assess(None).expect("a fit").expect("responses");
+        assert_eq!(found.needed.is_none(), found.bound().is_some(), "{found:?}");
+        found.needed
+    };
+    assert_eq!(needed(12, false, 0.0), Some(Needed::Signal));
+    assert_eq!(needed(12, false, 3.0), None, "a slope");
+    assert_eq!(needed(12, true, 0.0), None, "no narrow well");
+    assert_eq!(needed(40, false, 0.0), None, "forty designs");
 }
 
 /// Along a slope the best was never run; three runs cannot tell a slope from noise, with a simulation or many runs it is recommended.
