@@ -1,5 +1,6 @@
 //! A Gaussian process with given hyperparameters.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use faer::linalg::matmul::matmul;
@@ -11,7 +12,6 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::Error;
 use crate::process::covariance::{Hyperparameters, Parts, SimulationUse, Structure, prior_variances};
 use crate::process::joint::Joint;
-use crate::process::left_out::log_normal;
 use crate::process::places::Places;
 use crate::process::sites::Sites;
 
@@ -444,6 +444,11 @@ impl GaussianProcess {
     pub fn log_likelihood(&self) -> f64 {
         log_density(&self.sites, &self.factor, &self.whitened, &self.hyper)
     }
+}
+
+/// The logarithm of a normal density, from the squared distance in standard deviations and the variance.
+pub(crate) fn log_normal(squared: f64, variance: f64) -> f64 {
+    -0.5 * (squared + (TAU * variance).ln())
 }
 
 /// The logarithm of the density of the measurements from the lower factor L of their covariance and L⁻¹ r, but for a constant.

@@ -1,16 +1,12 @@
 //! What the measurements of a place are foretold as by those of all other places.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use statrs::function::gamma::ln_gamma;
 
 use crate::process::averaged::AveragedProcess;
+use crate::process::gaussian_process::log_normal;
 use crate::process::sites::Sites;
-
-/// The logarithm of a normal density, from the squared distance in standard deviations and the variance.
-pub(crate) fn log_normal(squared: f64, variance: f64) -> f64 {
-    -0.5 * (squared + (TAU * variance).ln())
-}
 
 /// The logarithm of Student's density with so many degrees of freedom, from the squared distance in units of its scale.
 fn log_student(squared: f64, scale: f64, freedom: f64) -> f64 {
