@@ -130,8 +130,7 @@ mod tests {
             let others: Vec<usize> = (0..3).filter(|other| *other != place).collect();
             let total: f64 = others.iter().map(|&other| weights[other]).sum();
             let expected = others.iter().map(|&other| weights[other] * means[other]).sum::<f64>() / total;
-            let about: f64 =
-                others.iter().map(|&other| weights[other] * (means[other] - expected as f64).powi(2)).sum();
+            let about: f64 = others.iter().map(|&other| weights[other] * (means[other] - expected).powi(2)).sum();
             let of_mean = 1.0 / weights[place] + 1.0 / total;
             gauss += Normal::new(expected, (0.04_f64 * of_mean).sqrt()).unwrap().ln_pdf(means[place]);
             let variance = (about + scatter) / 2.0 * of_mean;
