@@ -144,7 +144,7 @@ impl Look {
             *pick = Pick { cell: *again, reason: Reason::Again };
         }
         for cell in self.to_test_noise(knowledge, settings, pending, &picks) {
-            let is_other = |pick: &Pick| pick.cell != cell || self.assessment.assembly.is_none();
+            let is_other = |pick: &Pick| pick.cell != cell;
             let last = picks.iter().rposition(|pick| pick.reason.is_gain() && is_other(pick));
             let last = last.or_else(|| picks.iter().rposition(is_other)).unwrap_or(picks.len() - 1);
             picks[last] = Pick { cell, reason: Reason::Noise };

@@ -1,13 +1,12 @@
 //! A Gaussian process with given hyperparameters.
 
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, Mat, Par, Side};
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 use crate::Error;
 use crate::process::covariance::{Hyperparameters, Parts, SimulationUse, Structure, prior_variances};
@@ -427,7 +426,8 @@ impl GaussianProcess {
 
     /// The logarithm of the density of the mean at each place as the others foretell it, scaled.
     pub(crate) fn log_left_out(&self) -> Vec<f64> {
-        self.left_out().into_iter().map(|[distance, variance]| log_normal(distance * distance, variance)).collect()
+        let normal = Normal::standard();
+        self.left_out().into_iter().map(|[distance, variance]| normal.ln_pdf(distance) - 0.5 * variance.ln()).collect()
     }
 
     /// Of each site its distance from what the others foretell, in standard deviations, and the variance of that, scaled.
@@ -444,11 +444,6 @@ impl GaussianProcess {
     pub fn log_likelihood(&self) -> f64 {
         log_density(&self.sites, &self.factor, &self.whitened, &self.hyper)
     }
-}
-
-/// The logarithm of a normal density, from the squared distance in standard deviations and the variance.
-pub(crate) fn log_normal(squared: f64, variance: f64) -> f64 {
-    -0.5 * (squared + (TAU * variance).ln())
 }
 
 /// The logarithm of the density of the measurements from the lower factor L of their covariance and L⁻¹ r, but for a constant.

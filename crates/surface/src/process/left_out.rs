@@ -1,22 +1,9 @@
 //! What the measurements of a place are foretold as by those of all other places.
 
-use std::f64::consts::PI;
-
-use statrs::function::gamma::ln_gamma;
+use statrs::distribution::{Continuous, Normal, StudentsT};
 
 use crate::process::averaged::AveragedProcess;
-use crate::process::gaussian_process::log_normal;
 use crate::process::sites::Sites;
-
-/// The logarithm of Student's density with so many degrees of freedom, from the squared distance in units of its scale.
-fn log_student(squared: f64, scale: f64, freedom: f64) -> f64 {
-    let half = 0.5 * (freedom + 1.0);
-    ln_gamma(half)
-        - ln_gamma(0.5 * freedom)
-        - 0.5 * (freedom * PI).ln()
-        - scale.ln()
-        - half * (squared / freedom).ln_1p()
-}
 
 /// The logarithm of the density of the mean at each place as the mean of all others foretells it, were they all of one value and of noise, of this
 /// variance or of one that the others tell; their sum. None where too few tell it.
@@ -24,25 +11,27 @@ fn of_noise_alone(sites: &Sites, noise: Option<f64>) -> Option<f64> {
     let (means, weights) = (sites.means(), sites.weights());
     let (n, total) = (means.len(), weights.iter().sum::<f64>());
     let freedom = (n + sites.n_repeats()).saturating_sub(2) as f64;
-    if n < 2 || (noise.is_none() && freedom < 1.0) {
-        return None;
-    }
     let sum: f64 = weights.iter().zip(means).map(|(weight, mean)| weight * mean).sum();
     let of_place = |place: usize| {
         let others = total - weights[place];
         let expected = (sum - weights[place] * means[place]) / others;
         let of_mean = 1.0 / weights[place] + 1.0 / others;
-        let squared = |place: usize| (means[place] - expected).powi(2);
-        match noise {
-            Some(noise) => log_normal(squared(place) / (noise * of_mean), noise * of_mean),
+        let squared = |other: usize| (means[other] - expected).powi(2);
+        let variance = match noise {
+            Some(noise) => noise,
             None => {
                 let about = (0..n).filter(|other| *other != place).map(|other| weights[other] * squared(other));
-                let variance = (about.sum::<f64>() + sites.scatter()) / freedom * of_mean;
-                log_student(squared(place) / variance, variance.sqrt(), freedom)
+                (about.sum::<f64>() + sites.scatter()) / freedom
             }
+        };
+        let deviation = (variance * of_mean).sqrt();
+        // Too few places and no scatter leave no deviation, and no density.
+        match noise {
+            Some(_) => Normal::new(expected, deviation).ok().map(|density| density.ln_pdf(means[place])),
+            None => StudentsT::new(expected, deviation, freedom).ok().map(|density| density.ln_pdf(means[place])),
         }
     };
-    Some((0..n).map(of_place).sum())
+    (0..n).map(of_place).sum()
 }
 
 impl AveragedProcess {
@@ -91,7 +80,6 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
-    use statrs::distribution::{Continuous, Normal, StudentsT};
 
     /// Places at random, with so much of a bowl and noise of .1.
     fn gain(n: usize, height: f64, seed: u64, noise: Option<f64>, unit: f64) -> f64 {
