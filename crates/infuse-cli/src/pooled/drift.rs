@@ -12,7 +12,7 @@ use super::campaign::Campaign;
 use crate::echo::echo;
 use crate::journal::Assessed;
 use crate::number::{short, with_unit};
-use crate::problem::Held;
+use crate::problem::{Held, Response};
 
 /// Blocks that are named, those that are farthest off, of those of so many runs at least.
 const MOST_NAMED: usize = 4;
@@ -87,12 +87,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
         let noise = format!("{}{has_it}", response.amount(found.noise));
         let finding = warning("", &named, &noise, drift, shared);
         let finding = finding.with("noise", response.of_difference(found.noise), response.unit_of_differences());
-        let finding = with_shifts(
-            finding,
-            shifts,
-            |by| response.of_difference(response.of_deviations(by)),
-            response.unit_of_differences(),
-        );
+        let finding = with_shifts(finding, shifts, |by| of_shift(response, by), response.unit_of_differences());
         let deviation = response.of_difference(found.assembly.unwrap_or(drift.deviation));
         let unit = response.unit_of_differences();
         finding.with("shared by runs of a batch", deviation, unit)
@@ -161,7 +156,7 @@ pub(super) fn shared(campaign: &Campaign, found: &Assessment) -> Result<Option<F
         response.amount(shared)
     );
     let finding = Finding::new(sentence).with("shared error", response.of_difference(shared), unit);
-    let finding = with_shifts(finding, &found.shifts, |by| response.of_difference(response.of_deviations(by)), unit);
+    let finding = with_shifts(finding, &found.shifts, |by| of_shift(response, by), unit);
     let named = in_the_mean(&named_of_response(campaign, &found.shifts));
     let finding = if named.is_empty() { finding } else { finding.detail(Finding::new(named.trim_start())) };
     let means = format!("What is expected is the mean over batches and sources. {}", spoken_for(drift.as_ref()));
@@ -204,6 +199,11 @@ fn spoken_for(drift: Option<&Drift>) -> &'static str {
 
 fn with_gain(finding: Finding, drift: Option<&Drift>) -> Finding {
     drift.into_iter().fold(finding, |finding, drift| finding.with(TIMES, drift.gain, "1"))
+}
+
+/// By how much a block reads above what is expected of it, as differences of the response are said.
+fn of_shift(response: &Response, by: f64) -> f64 {
+    response.of_difference(response.of_deviations(by))
 }
 
 /// With by how much each block reads above what is expected of it, those that are not named, too.
@@ -298,7 +298,7 @@ pub(super) fn as_json(campaign: &Campaign, found: &Assessment) -> Result<Value> 
         Some(deviation) => Drift { deviation, noise: found.noise, shifts: found.shifts.clone(), ..drift },
         None => drift,
     });
-    let by = |by: f64| response.of_difference(response.of_deviations(by));
+    let by = |by: f64| of_shift(response, by);
     let of_response = in_json(drift.as_ref(), taken_in.is_some(), |deviation| response.of_difference(deviation), by);
     let shifts = match &drift {
         Some(drift) if taken_in.is_none() && drift.is_sure() => &drift.shifts,
