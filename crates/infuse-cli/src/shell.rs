@@ -48,6 +48,11 @@ fn quoted(path: &Path) -> String {
     if is_plain { text } else { in_quotes(&text) }
 }
 
+/// A name as one word of a shell: in double quotes, which every shell knows, unless something in it means more than itself there.
+pub(crate) fn as_one_word(name: &str) -> String {
+    if name.contains(['"', '$', '`', '\\', '!', '\n']) { in_quotes(name) } else { format!("\"{name}\"") }
+}
+
 /// One word of a shell, whatever is in it.
 pub(crate) fn in_quotes(word: &str) -> String {
     format!("'{}'", word.replace('\'', "'\\''"))

@@ -152,7 +152,7 @@ pub(crate) trait Campaign {
         }
     }
     /// From when on, and for what, those count that are imported now.
-    fn use_of_imports(&self) -> String;
+    fn use_of_imports(&self, n: usize) -> String;
     /// What the last closed batch taught, in short.
     fn lesson(&self) -> Result<Vec<Finding>>;
     /// The recommended design in one sentence, if there is one.

@@ -14,8 +14,9 @@ use crate::campaign::Imported;
 use crate::findings::{Twice, as_from_elsewhere, imported, withdrawn};
 use crate::folder;
 use crate::journal::{Event, now};
-use crate::number::{plain, with_unit};
+use crate::number::{count, plain, with_unit};
 use crate::sheet;
+use crate::shell::as_one_word;
 
 pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: Option<&str>) -> Result<Output> {
     let is_empty = source.is_some_and(|source| source.trim().is_empty());
@@ -43,6 +44,7 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: Option<
             known.result.value().map_or_else(|| "no value".to_owned(), plain)
         );
     }
+    let copied = copied_rows(&found);
     let beyond = beyond_the_region(&found, &campaign.problem().region);
     all.extend(found.iter().cloned());
     let elsewhere = Twice::among(&all, n_in_use);
@@ -66,8 +68,8 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: Option<
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;
     let also = as_from_elsewhere(&elsewhere);
-    let findings = std::iter::once(imported(rows, &campaign.use_of_imports()));
-    let findings: Vec<Finding> = findings.chain(left_out(n_left_out)).chain(beyond).chain(also).collect();
+    let findings = std::iter::once(imported(rows, &campaign.use_of_imports(rows)));
+    let findings: Vec<Finding> = findings.chain(left_out(n_left_out)).chain(beyond).chain(also).chain(copied).collect();
     let json = json!({ "imported": rows, "as_from_elsewhere": elsewhere.iter().map(|twice| twice.n).sum::<usize>(), "left_out": n_left_out });
     Ok(Output::new(&findings, json, notices))
 }
@@ -93,15 +95,37 @@ fn beyond_the_region(found: &[Imported], region: &Region) -> Option<Finding> {
     let (name, unit) = (parameter.name(), parameter.unit());
     let sentence = format!(
         "{} outside of the bounds of the parameters; the first: {name} {}, and it is set from {} to {}. {} all the same. If that is a \
-         slip: `infuse import --withdraw \"{}\"`, put it right, and import it again.",
+         slip: `infuse import --withdraw {}`, put it right, and import it again.",
         if n == 1 { "1 row lies".to_owned() } else { format!("{n} rows lie") },
         with_unit(&plain(*value), unit),
         plain(parameter.lower()),
         with_unit(&plain(parameter.upper()), unit),
         if n == 1 { "It counts" } else { "They count" },
-        first.source
+        as_one_word(&first.source)
     );
     Some(Finding::new(sentence).with("rows outside of the bounds", n as f64, "1"))
+}
+
+/// That rows of one source say the same, to the last digit, which a slip of the hand does more often than a rig.
+fn copied_rows(found: &[Imported]) -> Option<Finding> {
+    let is_copy = |(at, one): &(usize, &Imported)| {
+        let mut before = found[..*at].iter();
+        one.result.value().is_some() && before.any(|other| other.source == one.source && other.is_alike(one))
+    };
+    let mut copies = found.iter().enumerate().filter(is_copy);
+    let (_, first) = copies.next()?;
+    let n = 1 + copies.count();
+    let (have, count_as) = match n {
+        1 => ("has settings and result of another row", "counts as a run of its own"),
+        _ => ("have settings and results of other rows", "count as runs of their own"),
+    };
+    let sentence = format!(
+        "{} {have} from the same source, and {count_as}. If that is a slip: `infuse import --withdraw {}`, put it right, and import \
+         it again.",
+        count(n, "row"),
+        as_one_word(&first.source)
+    );
+    Some(Finding::new(sentence).with("rows as others", n as f64, "1"))
 }
 
 /// Stops using what was imported from a source.

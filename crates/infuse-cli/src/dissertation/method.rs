@@ -114,10 +114,13 @@ impl campaign::Campaign for Campaign {
             .collect()
     }
 
-    fn use_of_imports(&self) -> String {
+    fn use_of_imports(&self, n: usize) -> String {
+        let [they_train, their, they_validate] = match n {
+            1 => ["it trains", "its", "it never validates"],
+            _ => ["they train", "their", "they never validate"],
+        };
         format!(
-            "From batch {} on they train the surfaces, as long as their settings are among the designs left; they never \
-             validate.",
+            "From batch {} on {they_train} the surfaces, as long as {their} settings are among the designs left; {they_validate}.",
             self.batch()
         )
     }

@@ -4,6 +4,7 @@ use page::Finding;
 
 use crate::campaign::Imported;
 use crate::number::count;
+use crate::shell::as_one_word;
 
 /// Results taken, and rows that were known before or are still empty.
 pub(crate) fn taken(n: usize, n_failed: usize, n_known: usize, n_empty: usize) -> Vec<Finding> {
@@ -92,7 +93,8 @@ impl Twice {
 
     fn withdraw(&self) -> String {
         let Self { earlier, source, .. } = self;
-        format!("`infuse import --withdraw \"{source}\"` or `infuse import --withdraw \"{earlier}\"`")
+        let [source, earlier] = [source, earlier].map(|name| as_one_word(name));
+        format!("`infuse import --withdraw {source}` or `infuse import --withdraw {earlier}`")
     }
 }
 

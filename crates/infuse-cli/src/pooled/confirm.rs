@@ -264,10 +264,10 @@ impl Confirmation {
         let shared = self.shared.filter(|_| has_band)?;
         let (whose, besides) = match self.designs.len() {
             1 => ("In the band of the mean", ""),
-            _ => ("In the bands of the means", ", and not in those of the differences"),
+            _ => ("In the bands of the means", ", and not in those of the differences,"),
         };
         let amount = response.amount(shared);
-        let sentence = format!("{whose}{besides}, is what all runs of a batch share: {amount} (standard deviation).");
+        let sentence = format!("{whose}{besides} is what all runs of a batch share: {amount} (standard deviation).");
         Some(Finding::new(sentence).with(
             "shared error",
             response.of_difference(shared),

@@ -133,8 +133,9 @@ impl campaign::Campaign for Campaign {
         self.imported.clone()
     }
 
-    fn use_of_imports(&self) -> String {
-        "They count as much as the experiments of the campaign.".to_owned()
+    fn use_of_imports(&self, n: usize) -> String {
+        let they_count = if n == 1 { "It counts" } else { "They count" };
+        format!("{they_count} as much as the experiments of the campaign.")
     }
 
     fn lesson(&self) -> Result<Vec<Finding>> {

@@ -226,6 +226,48 @@ fn rows_that_were_imported_from_elsewhere_are_said_to_count_twice() {
     assert_eq!(rig.status()["imported"], 4);
 }
 
+/// A name with quotes is suggested as one word of a shell, which takes back just what has it; one row is "it".
+#[test]
+fn a_source_with_quotes_is_withdrawn_as_it_is_suggested() {
+    let rig = Rig::pooled();
+    let heading = "damper gain [N s/mm],spring [N/mm],vibration [mm/s]";
+    let source = "Bob's \"new\" `rig` $HOME";
+    rig.write("old.csv", &format!("{heading}\n1.9,44,71\n"));
+    let said = rig.infuse(&["import", "old.csv", "--source", source]).ok();
+    assert!(said.contains("Imported: 1 experiment. It counts as much as the experiments of the campaign."), "{said}");
+    let suggested = r#"import --withdraw 'Bob'\''s "new" `rig` $HOME'"#;
+    assert!(said.contains(&format!("`infuse {suggested}`")), "{said}");
+    let program = rig.command(&[]).get_program().to_str().unwrap().to_owned();
+    let mut shell = std::process::Command::new("sh");
+    shell.arg("-c").arg(format!("'{program}' {suggested}")).current_dir(rig.folder());
+    let output = shell.output().unwrap();
+    assert!(String::from_utf8_lossy(&output.stdout).contains("Withdrawn: 1 experiment."), "{output:?}");
+}
+
+/// A row that was copied is more often a slip than a run that gave the same to the last digit.
+#[test]
+fn rows_of_one_source_that_say_the_same_are_said_to_be_alike() {
+    let rig = Rig::pooled();
+    let heading = "damper gain [N s/mm],spring [N/mm],vibration [mm/s]";
+    rig.write("old.csv", &format!("{heading}\n1.9,22,71.25\n1.9,22,71.26\n1.3,18,84\n1.9,22,71.25\n"));
+    let said = rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    let alike = "1 row has settings and result of another row from the same source, and counts as a run of its own.";
+    assert!(said.contains(alike) && said.contains("`infuse import --withdraw \"notebook\"`"), "{said}");
+    rig.write("more.csv", &format!("{heading}\n1.9,22,70\n1.9,22,71.2\n"));
+    let said = rig.infuse(&["import", "more.csv", "--source", "diary"]).ok();
+    assert!(!said.contains("of another row"), "runs of one design are not alike if they gave something else: {said}");
+}
+
+#[test]
+fn a_sheet_of_headings_alone_is_refused() {
+    let rig = Rig::pooled();
+    rig.infuse(&["ask"]).ok();
+    let sheet = rig.read("sheet-1.csv");
+    rig.write("sheet-1.csv", sheet.lines().next().unwrap());
+    let error = rig.infuse(&["tell", "sheet-1.csv"]).error();
+    assert!(error.contains("sheet-1.csv: no rows under the headings, expected at least one experiment"), "{error}");
+}
+
 #[test]
 fn further_runs_are_put_right_and_never_lost() {
     let rig = Rig::new();
