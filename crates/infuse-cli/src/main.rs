@@ -68,7 +68,8 @@ fn not_understood(error: &clap::Error) -> ExitCode {
 }
 
 fn show(output: &Output, is_json: bool) -> std::io::Result<()> {
-    for notice in &output.notices {
+    // In JSON they are among the rest.
+    for notice in output.notices.iter().filter(|_| !is_json) {
         writeln!(std::io::stderr(), "note: {notice}")?;
     }
     let mut stdout = std::io::stdout().lock();

@@ -7,9 +7,9 @@ use anyhow::Result;
 
 use crate::campaign::{Campaign, Experiments};
 use crate::journal::{Event, Journal, Told};
-use crate::sheet::{Answer, answers};
+use crate::sheet::{Answer, Fault, sound_answers};
 
-/// That a sheet would tell again what was taken back and not told since; a sheet that cannot be read tells nothing.
+/// That a sheet would tell again what was taken back and not told since; a sheet that cannot be read tells nothing, nor do rows with a fault.
 pub(super) fn still_in_the_sheet(campaign: &dyn Campaign, journal: &Journal, sheet: &Path) -> Option<String> {
     let experiments = campaign.experiments();
     let taken_back = told(journal).filter(|(line, _)| journal.taken_back.contains(line)).map(|(_, told)| told);
@@ -17,7 +17,7 @@ pub(super) fn still_in_the_sheet(campaign: &dyn Campaign, journal: &Journal, she
     if taken_back.is_empty() {
         return None;
     }
-    let filled = answers(sheet, campaign.problem(), &experiments.trials).ok()?.filled;
+    let filled = sound_answers(sheet, campaign.problem(), &experiments.trials).ok()?.0.filled;
     let again = filled.iter().filter(|answer| taken_back.iter().any(|told| is_same(answer, told)));
     let ids: BTreeSet<u64> = again.map(|answer| answer.id).collect();
     (!ids.is_empty()).then(|| {
@@ -29,11 +29,23 @@ pub(super) fn still_in_the_sheet(campaign: &dyn Campaign, journal: &Journal, she
     })
 }
 
-/// The experiments of which a sheet has results that the journal never had, taken back or not.
-pub(super) fn never_told(campaign: &dyn Campaign, journal: &Journal, sheet: &Path) -> Result<BTreeSet<u64>> {
-    let filled = answers(sheet, campaign.problem(), &campaign.experiments().trials)?.filled;
-    let untold = filled.iter().filter(|answer| !told(journal).any(|(_, told)| is_same(answer, told)));
-    Ok(untold.map(|answer| answer.id).collect())
+/// What a sheet has that does not count.
+#[derive(Debug)]
+pub(super) struct InTheSheet {
+    /// Of these experiments the journal never had the results.
+    pub(super) never_told: BTreeSet<u64>,
+    /// Of these it had them, and they were taken back.
+    pub(super) told_before: BTreeSet<u64>,
+    /// Of rows that cannot be read.
+    pub(super) faults: Vec<Fault>,
+}
+
+pub(super) fn in_the_sheet(campaign: &dyn Campaign, journal: &Journal, sheet: &Path) -> Result<InTheSheet> {
+    let (answers, faults) = sound_answers(sheet, campaign.problem(), &campaign.experiments().trials)?;
+    let was_told = |answer: &&Answer| told(journal).any(|(_, told)| is_same(answer, told));
+    let (told_before, never_told): (Vec<&Answer>, Vec<&Answer>) = answers.filled.iter().partition(was_told);
+    let ids = |answers: Vec<&Answer>| answers.into_iter().map(|answer| answer.id).collect();
+    Ok(InTheSheet { never_told: ids(never_told), told_before: ids(told_before), faults })
 }
 
 /// All that was ever told, with its lines.

@@ -9,13 +9,14 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
-use super::taken_back::{never_told, of_experiments, still_in_the_sheet};
+use super::taken_back::{InTheSheet, in_the_sheet, of_experiments, still_in_the_sheet};
 use crate::campaign::Campaign;
 use crate::echo::echo;
 use crate::findings::next;
 use crate::folder;
 use crate::journal::{BY_ITSELF, Deed, Event, JOURNAL, Journal, Last, Measured, Submitted, Told, now};
 use crate::number::count;
+use crate::sheet::Fault;
 use crate::shell::{kept_name, sheet_path, typed_name};
 use crate::wording::all_of;
 
@@ -75,22 +76,51 @@ fn sheets_left(campaign: &dyn Campaign, journal: &Journal, last: &Last) -> Vec<S
 
 /// What a sheet has that was never told stands nowhere else.
 fn sheet_left(campaign: &dyn Campaign, journal: &Journal, path: &Path) -> String {
-    let (sheet, untold) = (path.display(), never_told(campaign, journal, path));
+    let sheet = path.display();
     let keep = "they stand nowhere else. Where the same is asked for again, `infuse tell` takes them; else move the sheet before the next ask, \
                 and copy them into a table for `infuse import`";
-    match untold {
-        Ok(ids) if ids.is_empty() => {
-            format!("{sheet} belongs to what was taken back: move or remove it before the next ask")
+    let InTheSheet { never_told, told_before, faults } = match in_the_sheet(campaign, journal, path) {
+        Ok(found) => found,
+        Err(fault) => {
+            return format!(
+                "{sheet} belongs to what was taken back, and whether it has results that were never told cannot be read ({fault:#}). If it \
+                 has, {keep}"
+            );
         }
-        Ok(ids) => {
-            let ids = of_experiments(ids.into_iter().collect::<Vec<_>>().into_iter());
-            format!("{sheet} belongs to what was taken back, and has results that were never told, of {ids}: {keep}")
+    };
+    let of = |ids: &BTreeSet<u64>| of_experiments(ids.iter().copied());
+    let has = match (never_told.is_empty(), told_before.is_empty()) {
+        (true, true) if !faults.is_empty() => String::new(),
+        (true, true) => ": move or remove it before the next ask".to_owned(),
+        (true, false) if !faults.is_empty() => {
+            format!(", and has results that were told and taken back, of {}", of(&told_before))
         }
-        Err(fault) => format!(
-            "{sheet} belongs to what was taken back, and whether it has results that were never told cannot be read ({fault:#}). If it has, \
-             {keep}"
+        (true, false) => format!(
+            ", and has results that were told and taken back, of {}: move or remove it before the next ask",
+            of(&told_before)
         ),
-    }
+        (false, true) => format!(", and has results that were never told, of {}: {keep}", of(&never_told)),
+        (false, false) => format!(
+            ", and has results that were told and taken back, of {}, and others that were never told, of {}: {keep}",
+            of(&told_before),
+            of(&never_told)
+        ),
+    };
+    let unread = match faults.as_slice() {
+        [] => String::new(),
+        [first, ..] => {
+            format!(
+                ". It has {} that cannot be read, and may hold more that stands nowhere else: {first}",
+                count(rows(&faults), "row")
+            )
+        }
+    };
+    format!("{sheet} belongs to what was taken back{has}{unread}")
+}
+
+/// In how many rows these faults are.
+fn rows(faults: &[Fault]) -> usize {
+    faults.iter().map(|fault| fault.row).collect::<BTreeSet<_>>().len()
 }
 
 /// The sheets of open batches are a person's, too, and so is what was told from; what they hold would be told again.

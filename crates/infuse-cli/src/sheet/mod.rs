@@ -14,7 +14,7 @@ mod write;
 
 pub(crate) use columns::point_columns;
 pub(crate) use import::imported;
-pub(crate) use read::{Answer, Answers, answers, setting_fault, to_fill_in, typed};
+pub(crate) use read::{Answer, Answers, answers, setting_fault, sound_answers, to_fill_in, typed};
 pub(crate) use same::check_same;
 pub(crate) use table::{Fault, Row, Table, none_of};
 pub(crate) use write::{check_ending, write};

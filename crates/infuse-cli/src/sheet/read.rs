@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use design_space::Parameter;
 use infuse::pooled::Trial;
 
@@ -43,8 +43,24 @@ pub(crate) struct Answers {
 
 /// Reads a sheet against the trials that were ever handed out.
 pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Trial>) -> Result<Answers> {
+    let (answers, faults) = sound_answers(path, problem, trials)?;
+    none_of(&path.display().to_string(), &faults)?;
+    Ok(answers)
+}
+
+/// As [`answers`], but what rows without a fault say, beside the faults of the others.
+pub(crate) fn sound_answers(
+    path: &Path,
+    problem: &Problem,
+    trials: &BTreeMap<u64, Trial>,
+) -> Result<(Answers, Vec<Fault>)> {
     let columns = Columns::of(problem);
     let table = Table::read(path, &columns.all)?;
+    ensure!(
+        !table.rows().is_empty(),
+        "{}: no rows under the headings, expected at least one experiment",
+        path.display()
+    );
     let reader = Reader { columns, table, problem, trials };
     let (mut filled, mut faults, mut n_empty): (Vec<Answer>, Vec<Fault>, usize) = (Vec::new(), Vec::new(), 0);
     for row in reader.table.rows() {
@@ -76,7 +92,6 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Tri
             faults.push(Fault { row: answer.row, column: "id".to_owned(), value, expected });
         }
     }
-    none_of(&path.display().to_string(), &faults)?;
     // A row that comes twice and says the same is said once.
     let (mut seen, mut said_twice) = (BTreeMap::new(), Vec::new());
     filled.retain(|answer| {
@@ -93,7 +108,7 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Tri
     let held = (0..problem.constraints.len()).map(|index| reader.columns.constrained(index));
     let lacking = held.filter(|&column| !reader.table.has(column));
     let lacks = lacking.map(|column| reader.columns.all[column].heading()).collect();
-    Ok(Answers { filled, n_empty, said_twice, lacks })
+    Ok((Answers { filled, n_empty, said_twice, lacks }, faults))
 }
 
 /// What a row of a form says about a trial: its cells from the response to the note, as a sheet has them; nothing if all

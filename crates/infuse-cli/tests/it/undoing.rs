@@ -266,9 +266,18 @@ fn results_that_were_never_told_are_named_when_their_ask_is_taken_back() {
     // What was told is in the journal.
     rig.infuse(&["undo"]).ok();
     let said = rig.infuse(&["undo"]).stderr;
-    assert!(said.contains("sheet-1.csv belongs to what was taken back: move or remove it"), "{said}");
+    let named = "sheet-1.csv belongs to what was taken back, and has results that were told and taken back, of experiments 2, 5: move or remove it";
+    assert!(said.contains(named), "{said}");
+    // A row that cannot be read hides no other.
     ask(&rig);
     rig.write("sheet-1.csv", &sheet.replacen("\n1,", "\n1,x", 1));
+    let said = rig.infuse(&["undo"]).stderr;
+    let named = "and has results that were told and taken back, of experiments 2, 5. It has 1 row that cannot be read, and may hold more that \
+                 stands nowhere else: row 2, column `id`: is `x3`";
+    assert!(said.contains(named), "{said}");
+    rig.write("sheet-1.csv", &sheet);
+    ask(&rig);
+    rig.write("sheet-1.csv", &sheet.replacen("id,", "di,", 1));
     let said = rig.infuse(&["undo"]).stderr;
     assert!(said.contains("whether it has results that were never told cannot be read ("), "{said}");
 }
