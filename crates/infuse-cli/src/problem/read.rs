@@ -37,6 +37,7 @@ impl Problem {
 
     pub(crate) fn parse(text: &str) -> Result<Self> {
         let file: ProblemFile = toml::from_str(text).map_err(|error| with_hint(text, &error))?;
+        ensure!(!file.title.trim().is_empty(), "`title` is {:?}, expected what is optimized, in words", file.title);
         ensure!(!file.parameters.is_empty(), "no [[parameter]], expected at least one");
         let parameters = file.parameters.iter().map(parameter).collect::<Result<Vec<_>>>()?;
         let region = Region::new(parameters)?;
@@ -124,14 +125,9 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
     let value = line.split('#').next().unwrap_or_default().split('=').nth(1).unwrap_or_default().as_bytes();
     let is_comma = value.windows(3).any(|w| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit());
     let is_list = value.trim_ascii_start().starts_with(b"[");
-    let several = ["parameter", "constraint", "linear_constraint"];
-    let in_one_bracket = several.iter().find(|name| line.trim() == format!("[{name}]"));
-    let in_two_brackets = line.trim().strip_prefix("[[").and_then(|rest| rest.strip_suffix("]]"));
-    let hint = match in_one_bracket {
-        Some(name) => format!("\nwrite [[{name}]] with two brackets: there may be several"),
-        None if let Some(name) = in_two_brackets.filter(|name| !several.contains(name)) => {
-            format!("\nwrite [{name}] with one bracket on either side: there is but one")
-        }
+    let is_missing = error.message().starts_with("missing field");
+    let hint = match section_meant(line) {
+        Some(meant) => format!("\n{meant}"),
         None if let Some((key, section)) = section_of_unknown(error.message()) => {
             format!("\n`{key}` stands {section}")
         }
@@ -142,7 +138,7 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
             "\nwrite a section [[parameter]] for each thing that can be set, with its name, unit, lower and upper"
                 .to_owned()
         }
-        None if error.message() == "missing field `response`" => {
+        None if error.message() == "missing field `response`" || (is_missing && line.trim() == "[response]") => {
             "\nwrite a section [response] with name, unit and goal of what is measured".to_owned()
         }
         None if error.message().starts_with("unknown field") && error.message().contains(OF_THE_OTHER[0]) => {
@@ -159,6 +155,28 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
         None => error.to_string(),
     };
     anyhow!("{}{hint}", in_plain_words(&message, entry))
+}
+
+/// Sections of which there may be several, and of which there is but one.
+const SEVERAL: [&str; 3] = ["parameter", "constraint", "linear_constraint"];
+const BUT_ONE: [&str; 6] = ["response", "simulator", "experiment", "can_be_built", "loop", "stop"];
+
+/// What was meant by a heading that is written with too few brackets, with too many, or in the plural.
+fn section_meant(line: &str) -> Option<String> {
+    let line = line.split('#').next()?.trim();
+    let heading = line.strip_prefix('[')?.strip_suffix(']')?;
+    let (name, is_double) = match heading.strip_prefix('[').and_then(|name| name.strip_suffix(']')) {
+        Some(name) => (name.trim(), true),
+        None => (heading.trim(), false),
+    };
+    let is_meant = |known: &&&str| name == **known || name.strip_suffix('s') == Some(**known);
+    if let Some(known) = SEVERAL.iter().find(is_meant) {
+        let with_two = if is_double { "" } else { " with two brackets" };
+        return (!is_double || name != *known).then(|| format!("write [[{known}]]{with_two}: there may be several"));
+    }
+    let known = BUT_ONE.iter().find(is_meant)?;
+    let with_one = if is_double { " with one bracket on either side" } else { "" };
+    (is_double || name != *known).then(|| format!("write [{known}]{with_one}: there is but one"))
 }
 
 /// Keys of [loop] that the pooled loop does not know.

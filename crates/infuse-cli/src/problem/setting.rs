@@ -20,15 +20,24 @@ pub(crate) fn said(parameter: &Parameter, value: f64) -> Value {
     parameter.choice(value).map_or_else(|| json!(rounded(value)), |choice| json!(choice))
 }
 
-/// What [`written`] wrote, or what is wrong with it.
+/// What [`written`] wrote, a choice in any case, or what is wrong with it.
 pub(crate) fn parse_setting(parameter: &Parameter, text: &str) -> Result<f64, String> {
     match parameter.choices() {
         None => parse(text).map_err(|fault| fault.to_string()),
         Some(choices) => {
             let named: Vec<String> = choices.iter().map(|choice| format!("`{choice}`")).collect();
-            parameter.of_choice(text).ok_or_else(|| format!("one of {}", named.join(", ")))
+            let exact = parameter.of_choice(text);
+            exact.or_else(|| in_any_case(choices, text)).ok_or_else(|| format!("one of {}", named.join(", ")))
         }
     }
+}
+
+/// The place of the one choice that has this name but for its case.
+fn in_any_case(choices: &[String], text: &str) -> Option<f64> {
+    let text = text.to_lowercase();
+    let mut alike = choices.iter().enumerate().filter(|(_, choice)| choice.to_lowercase() == text);
+    let (place, _) = alike.next()?;
+    alike.next().is_none().then_some(place as f64)
 }
 
 /// The distance between neighboring levels; 0 without levels.
@@ -36,5 +45,19 @@ pub(crate) fn step(parameter: &Parameter) -> f64 {
     match parameter.levels() {
         Levels::Count(count) => parameter.width() / f64::from(count.saturating_sub(1).max(1)),
         Levels::Continuous => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_choice_is_known_in_any_case_unless_two_differ_in_case_alone() {
+        let of = |choices: &[&str]| Parameter::categorical("kind", choices.iter().map(ToString::to_string)).unwrap();
+        assert_eq!(parse_setting(&of(&["foam", "Film"]), "FILM"), Ok(1.0));
+        assert_eq!(parse_setting(&of(&["Film", "film"]), "film"), Ok(1.0));
+        let error = parse_setting(&of(&["Film", "film"]), "FILM");
+        assert_eq!(error, Err("one of `Film`, `film`".to_owned()));
     }
 }

@@ -98,7 +98,8 @@ fn linear_constraints_hold_where_every_setting_is_allowed() {
     let best = rig.status()["best"].clone();
     let (x, y) = (best["x"].as_f64().unwrap(), best["y"].as_f64().unwrap());
     assert!((x - 4.5).abs() < 0.6 && (y - 3.5).abs() < 0.6 && best["kind"] == "film", "{best}");
-    let said = rig.infuse(&["what-if", "x=9,y=9,kind=film"]).ok();
+    let said = rig.infuse(&["what-if", "x=9,y=9,kind=FILM"]).ok();
+    assert!(said.contains("kind film"), "as headings are, whatever the case: {said}");
     assert!(said.contains("[[linear_constraint]] asks for x + y at most 8."), "{said}");
     rig.infuse(&["confirm"]).ok();
     rig.infuse(&["report"]).ok();

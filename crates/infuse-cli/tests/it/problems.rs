@@ -143,6 +143,11 @@ fn no_message_about_the_file_names_a_type_of_the_program() {
         ("goal = \"minimize\"", "goal = \"min\"", "`goal` is \"min\", expected `minimize` or `maximize`"),
         ("[loop]", "[loop]\nsurfaces = \"x\"", "`surfaces` is \"x\", expected a table, like { combined = "),
         ("[response]", "[[response]]", "write [response] with one bracket"),
+        ("\n[response]", "\n[responses]", "write [response]: there is but one"),
+        ("\n[[parameter]]", "\n[[parameters]]", "write [[parameter]]: there may be several"),
+        ("\n[[parameter]]", "\n[parameters]", "write [[parameter]] with two brackets: there may be several"),
+        ("\n[stop]", "\n[stops] # when", "write [stop]: there is but one"),
+        ("goal = \"minimize\"", "", "write a section [response] with name, unit and goal"),
     ] {
         let rig = Rig::pooled();
         rig.edit(from, to);
@@ -152,6 +157,13 @@ fn no_message_about_the_file_names_a_type_of_the_program() {
             assert!(!error.contains(name), "{name} is in {error}");
         }
     }
+    let rig = Rig::empty();
+    rig.write(
+        "campaign.toml",
+        "title = \" \"\n[response]\nname = \"y\"\nunit = \"mm\"\ngoal = \"minimize\"\n[[parameter]]\nname = \"x\"\n",
+    );
+    let error = rig.infuse(&["status"]).error();
+    assert!(error.contains("`title` is \" \", expected what is optimized, in words"), "{error}");
     let rig = Rig::pooled();
     rig.edit("seed = 1", &format!("seed = \"{}\"", "x".repeat(3_000_000)));
     assert!(rig.infuse(&["status"]).error().len() < 1000);
