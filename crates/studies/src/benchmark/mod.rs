@@ -40,7 +40,7 @@ const PEERS: &str = "fixtures/peers/results";
 const OWN: &str = METHODS[0].name;
 /// Its campaigns on fresh seeds: apart, so that peers are compared on the others.
 const FRESH: &str = "pooled-fresh";
-/// The family whose certificate was broken most often, on fresh seeds, too.
+/// The families whose certificate was broken most often, on fresh seeds, too.
 const BROKEN: &str = "pooled-broken";
 /// Beside these, on the first of the seeds, those that are not told of the simulation.
 const FRESH_UNTOLD: &str = "pooled-untold-fresh";

@@ -566,11 +566,7 @@ fn on_fresh_seeds(fresh: &Results) -> Finding {
     );
     let detail = |family: &'static Family| {
         let each = by_batch(fresh, family)?;
-        let stopping = stops(fresh, family, Promise::Bound);
-        let stop = match stopping.stopped {
-            0 => "no campaign stops".to_owned(),
-            stopped => format!("{} of {stopped} campaigns that stop do so too early", stopping.too_early),
-        };
+        let stop = stops_in_words(fresh, family);
         let broken = percent(share_broken(&each));
         Some(Finding::new(format!(
             "In `{}` its certificate was broken after {broken} % of the batches; {stop}.",
@@ -578,6 +574,15 @@ fn on_fresh_seeds(fresh: &Results) -> Finding {
         )))
     };
     fresh_families().filter_map(detail).fold(Finding::new(head), Finding::detail)
+}
+
+/// How many campaigns of a family stop, and of these how many too early.
+fn stops_in_words(results: &Results, family: &Family) -> String {
+    let stopping = stops(results, family, Promise::Bound);
+    match stopping.stopped {
+        0 => "no campaign stops".to_owned(),
+        stopped => format!("{} of {stopped} campaigns that stop do so too early", stopping.too_early),
+    }
 }
 
 /// What was promised after each batch.
@@ -688,13 +693,16 @@ fn broken_again(again: &Results) -> String {
         let broken = each.iter().map(|one| one.breached.to_string()).collect::<Vec<_>>().join(", ");
         let campaigns = each.first()?.campaigns;
         Some(format!(
-            " On fresh seeds, {} to {}, of {campaigns} campaigns of `{}` in {broken} after batches 1 to {BATCHES}.",
-            FRESH_SEEDS.start(),
-            FRESH_SEEDS.end(),
-            family.name
+            "of {campaigns} campaigns of `{}` in {broken} after batches 1 to {BATCHES}; {}",
+            family.name,
+            stops_in_words(again, family)
         ))
     };
-    broken_families().filter_map(of_family).collect()
+    let of_each: Vec<String> = broken_families().filter_map(of_family).collect();
+    if of_each.is_empty() {
+        return String::new();
+    }
+    format!(" On fresh seeds, {} to {}, {}.", FRESH_SEEDS.start(), FRESH_SEEDS.end(), of_each.join("; "))
 }
 
 fn others_table(methods: &[Kept<'_>], ours: &Results) -> Table {
