@@ -1,5 +1,6 @@
 //! `infuse import`: experiments from before the campaign.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -108,13 +109,18 @@ fn beyond_the_region(found: &[Imported], region: &Region) -> Option<Finding> {
 
 /// That rows of one source say the same, to the last digit, which a slip of the hand does more often than a rig.
 fn copied_rows(found: &[Imported]) -> Option<Finding> {
-    let is_copy = |(at, one): &(usize, &Imported)| {
-        let mut before = found[..*at].iter();
-        one.result.value().is_some() && before.any(|other| other.source == one.source && other.is_alike(one))
-    };
-    let mut copies = found.iter().enumerate().filter(is_copy);
-    let (_, first) = copies.next()?;
-    let n = 1 + copies.count();
+    let mut seen: BTreeMap<(&str, Vec<u64>), Vec<&Imported>> = BTreeMap::new();
+    let mut copies = Vec::new();
+    for one in found {
+        let Some(value) = one.result.value() else { continue };
+        let numbers = one.point.iter().chain([&value]).map(|number| number.to_bits()).collect();
+        let before = seen.entry((&*one.source, numbers)).or_default();
+        if before.iter().any(|other| other.is_alike(one)) {
+            copies.push(one);
+        }
+        before.push(one);
+    }
+    let (first, n) = (copies.first()?, copies.len());
     let (have, count_as) = match n {
         1 => ("has settings and result of another row", "counts as a run of its own"),
         _ => ("have settings and results of other rows", "count as runs of their own"),
