@@ -103,6 +103,16 @@ pub(crate) fn highest(
     (at, value)
 }
 
+/// As [`highest`], from as many points as [`PredictionVariance::maximum`] takes.
+pub(crate) fn highest_as_judged(
+    variance: &PredictionVariance,
+    shape: &BoxShape,
+    is_over: &(dyn Fn() -> bool + Sync),
+) -> (Vec<f64>, f64) {
+    let (at, value, _) = ascents(variance, shape, LATTICE, is_over);
+    (at, value)
+}
+
 fn ascents(
     variance: &PredictionVariance,
     shape: &BoxShape,

@@ -120,9 +120,8 @@ impl<'de> Deserialize<'de> for Whole {
     }
 }
 
-/// The first parameter that is wrong by itself: the line where its table begins, its number from 1, and the
-/// fault. An error of
-/// many tables under one name is otherwise said to be at the first of them.
+/// The first parameter that is wrong by itself: the line where its table begins, its number from 1, and the fault. An error of many
+/// tables under one name is otherwise said to be at the first of them.
 fn fault_of_parameter(text: &str) -> Option<String> {
     #[derive(Deserialize)]
     struct Parameters {

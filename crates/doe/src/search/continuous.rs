@@ -12,7 +12,7 @@ use super::polish::{self, Peaks, polish};
 use super::settings::Effort;
 use super::smooth::Smooth;
 use crate::lattice::Lattice;
-use crate::maximum::highest;
+use crate::maximum::{highest, highest_as_judged};
 use crate::measure::Measure;
 use crate::shape::{Axis, BoxShape};
 use crate::{Criterion, Forbidden};
@@ -32,7 +32,7 @@ pub(crate) struct Continuous<'a> {
 /// Exponents of the smoothing, as powers of 2, and how far a start may be behind the best at each without being given up.
 const STAGES: [(u32, f64); 4] = [(5, 0.12), (7, 0.06), (9, 0.03), (11, 0.02)];
 /// Polishes of one design at most.
-const MOST_CHECKS: usize = 4;
+const MOST_CHECKS: usize = 12;
 /// Exponent of the last smoothing of E, as a power of 2.
 const LAST_LOG_Q: u32 = 12;
 /// A design being refined may be this far behind the best, less and less so with every step.
@@ -125,9 +125,13 @@ impl Continuous<'_> {
                 None if value.is_finite() => break,
                 None => return Refinement::Unjudged,
             };
-            // A finer lattice may know a higher maximum; then it takes part in a further polish.
+            // A finer lattice may know a higher maximum; then it takes part in a further polish. What would be the best is looked at as
+            // it is judged in the end.
             peaks.look(&x);
-            let (at, highest) = highest(peaks.variance(), self.judged, is_over);
+            let (mut at, mut highest) = highest(peaks.variance(), self.judged, is_over);
+            if is_checked && highest <= value * (1.0 + 1e-9) && value.ln() < best {
+                (at, highest) = highest_as_judged(peaks.variance(), self.judged, is_over);
+            }
             if highest <= value * (1.0 + 1e-9) {
                 break;
             }
