@@ -31,17 +31,27 @@ impl Drop for Noted {
     }
 }
 
-/// One sentence for each program of a killed call that still runs; those that do not are forgotten. Only for who holds the
-/// folder: others' programs run rightly.
-pub(crate) fn notices(folder: &Path) -> Vec<String> {
+/// Whether a program runs, or ran when a call was killed.
+pub(crate) fn is_any_noted(folder: &Path) -> bool {
+    !processes(folder).is_empty()
+}
+
+/// The processes of which there is a note.
+fn processes(folder: &Path) -> Vec<String> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut processes: Vec<String> = entries
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.strip_prefix(NOTE).map(str::to_owned))
         .filter(|process| process.parse::<u32>().is_ok())
         .collect();
     processes.sort();
+    processes
+}
+
+/// One sentence for each program of a killed call that still runs; those that do not are forgotten. Only for who holds the
+/// folder: others' programs run rightly.
+pub(crate) fn notices(folder: &Path) -> Vec<String> {
     let mut notices = Vec::new();
-    for process in processes {
+    for process in processes(folder) {
         let note = folder.join(format!("{NOTE}{process}"));
         let runs = began(&process).is_some_and(|began| std::fs::read_to_string(&note).is_ok_and(|then| then == began));
         if runs {

@@ -24,7 +24,7 @@ use crate::wording::all_of;
 pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Result<Output> {
     // A campaign that has not begun is not begun by this.
     last_of(folder)?;
-    let (campaign, mut writer) = folder::open(folder, wait)?;
+    let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let (Journal { all, notices, .. }, last) = last_of(folder)?;
     ensure!(
         n_lines.is_none_or(|n_lines| n_lines == all.len()),
@@ -36,7 +36,8 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
     let mut after = folder::replay(folder, Journal::of(after, notices)?)
         .context("it cannot be taken back, as what is left would be no campaign")?;
     writer.add(std::slice::from_ref(&undone))?;
-    let mut notices = after.take_notices();
+    let mut notices = campaign.take_notices();
+    notices.extend(after.take_notices());
     let journal = Journal::read(folder)?;
     notices.extend(sheets_left(&*campaign, &journal, &last));
     notices.extend(runs_left(&*campaign, &last));

@@ -19,6 +19,13 @@ pub(crate) struct Lock {
 }
 
 impl Lock {
+    /// None if another process holds the folder, or none ever did; nothing is written.
+    pub(crate) fn if_free(folder: &Path) -> Option<Self> {
+        let file = OpenOptions::new().read(true).write(true).open(folder.join(LOCK)).ok()?;
+        file.try_lock().ok()?;
+        Some(Self { _file: file })
+    }
+
     /// Waits this long for another process to finish.
     pub(crate) fn take(folder: &Path, wait: Duration) -> Result<Self> {
         let path = folder.join(LOCK);

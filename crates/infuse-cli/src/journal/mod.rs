@@ -63,7 +63,7 @@ impl Journal {
         };
         let text = text::read(&bytes).with_context(|| format!("{} cannot be read", path.display()))?;
         let rest = bytes.len() - text.n_bytes;
-        let mut notices = Vec::new();
+        let mut notices = left_running_if_idle(folder);
         if rest > 0 {
             notices.push(format!(
                 "the last {rest} bytes of {JOURNAL} are what an interrupted call has left (or one that is writing now); they are not used"
@@ -71,6 +71,12 @@ impl Journal {
         }
         Self::of(text.events, notices)
     }
+}
+
+/// What killed calls have left running, unless a call is at work, whose programs run rightly.
+fn left_running_if_idle(folder: &Path) -> Vec<String> {
+    let held = left_running::is_any_noted(folder).then(|| Lock::if_free(folder)).flatten();
+    held.map_or_else(Vec::new, |_held| left_running::notices(folder))
 }
 
 /// The journal of a folder, held by this process alone.

@@ -156,8 +156,16 @@ fn a_simulation_that_a_killed_call_has_left_running_is_named_by_the_next_one() {
         std::thread::sleep(Duration::from_millis(5));
     }
     let (pid, note) = (pid(), note());
+    let named = format!("process {pid}, which a killed call has begun, still runs");
+    for reading in ["status", "log"] {
+        assert!(!rig.infuse(&[reading]).stderr.contains(&named), "nobody has killed it yet");
+    }
     asking.kill().unwrap();
     asking.wait().unwrap();
+    for reading in ["status", "log"] {
+        let said = rig.infuse(&[reading]).stderr;
+        assert!(said.contains(&named), "{reading}: {said}");
+    }
     rig.write("quick", "");
     let said = rig.infuse(&["ask"]);
     assert!(
