@@ -154,3 +154,29 @@ fn groups(shape: &BoxShape, axis: usize) -> Vec<Group> {
     }
     groups
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng as _;
+
+    use super::*;
+
+    #[test]
+    fn samples_fill_all_that_is_left_of_an_axis_evenly() {
+        let forbidden = crate::Forbidden::new(vec![Some([-0.5, 0.5])]).expect("a box");
+        for (forbidden, quarters) in [(Vec::new(), [1.0; 4]), (vec![forbidden], [2.0, 0.0, 0.0, 2.0])] {
+            let shape = BoxShape { axes: vec![Axis::Continuous], forbidden };
+            let measure = Measure::of(&shape);
+            let mut generator = rand_pcg::Pcg64::seed_from_u64(5);
+            let mut counts = [0_u32; 4];
+            for _ in 0..4000 {
+                let x = measure.sample(&mut generator)[0];
+                counts[((x + 1.0) * 2.0) as usize] += 1;
+            }
+            for (count, quarter) in counts.into_iter().zip(quarters) {
+                // A thousand of 4000 with a standard deviation of 27.
+                assert!((f64::from(count) - 1000.0 * quarter).abs() < 140.0, "{counts:?}");
+            }
+        }
+    }
+}

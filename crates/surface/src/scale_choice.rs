@@ -143,6 +143,20 @@ mod tests {
     }
 
     #[test]
+    fn mean_square_is_weighted_by_the_places_that_are_left_out() {
+        // Corners of an equilateral triangle are equally far from each other: whatever the scale, the two others count by their weights,
+        // and say 9, 9.6 and 2 for 0, 3 and 12.
+        let corners = vec![-1.0, 0.0, 1.0, 0.0, 0.0, 3.0_f64.sqrt()];
+        let places = Data::new(2, corners, vec![0.0, 3.0, 12.0]).expect("data").with_weights(vec![1.0, 2.0, 4.0]);
+        let places = places.expect("weights");
+        let expected = (81.0 + 2.0 * 6.6 * 6.6 + 4.0 * 100.0) / 7.0;
+        for scale in [0.3, 1.0, 5.0] {
+            let found = mean_square(&places, scale);
+            assert!((found - expected).abs() < 1e-9, "{scale}: {found} for {expected}");
+        }
+    }
+
+    #[test]
     fn range_goes_from_a_tenth_of_the_width_to_ten_times_the_median_neighbor() {
         let places = Data::new(1, vec![0.0, 1.0, 3.0, 7.0, 20.0], vec![0.0; 5]).expect("data");
         // Nearest neighbors at 1, 1, 2, 4 and 13; the farthest two are 20 apart.
