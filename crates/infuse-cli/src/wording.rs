@@ -52,6 +52,16 @@ pub(crate) fn all_of(names: &[String]) -> String {
     }
 }
 
+/// The place of the name that this is, or else of the only one that differs from it in case alone.
+pub(crate) fn place_in_any_case<'a>(names: impl Iterator<Item = &'a str> + Clone, name: &str) -> Option<usize> {
+    let exact = names.clone().position(|other| other == name);
+    exact.or_else(|| {
+        let name = name.to_lowercase();
+        let mut alike = names.enumerate().filter(|(_, other)| other.to_lowercase() == name);
+        alike.next().filter(|_| alike.next().is_none()).map(|(place, _)| place)
+    })
+}
+
 /// An error and its causes in one line, those of the system without the number that it gives them.
 pub(crate) fn of_error(error: &anyhow::Error) -> String {
     let causes = error.chain().map(|cause| match cause.downcast_ref::<io::Error>() {

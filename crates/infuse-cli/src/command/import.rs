@@ -95,14 +95,13 @@ fn beyond_the_region(found: &[Imported], region: &Region) -> Option<Finding> {
     let (parameter, value) = region.parameters().iter().zip(&first.point).find(is_beyond)?;
     let (name, unit) = (parameter.name(), parameter.unit());
     let sentence = format!(
-        "{} outside of the bounds of the parameters; the first: {name} {}, and it is set from {} to {}. {} all the same. If that is a \
-         slip: `infuse import --withdraw {}`, put it right, and import it again.",
+        "{} outside of the bounds of the parameters; the first: {name} {}, and it is set from {} to {}. {} all the same. {}",
         if n == 1 { "1 row lies".to_owned() } else { format!("{n} rows lie") },
         with_unit(&plain(*value), unit),
         plain(parameter.lower()),
         with_unit(&plain(parameter.upper()), unit),
         if n == 1 { "It counts" } else { "They count" },
-        as_one_word(&first.source)
+        if_a_slip(&first.source)
     );
     Some(Finding::new(sentence).with("rows outside of the bounds", n as f64, "1"))
 }
@@ -125,13 +124,13 @@ fn copied_rows(found: &[Imported]) -> Option<Finding> {
         1 => ("has settings and result of another row", "counts as a run of its own"),
         _ => ("have settings and results of other rows", "count as runs of their own"),
     };
-    let sentence = format!(
-        "{} {have} from the same source, and {count_as}. If that is a slip: `infuse import --withdraw {}`, put it right, and import \
-         it again.",
-        count(n, "row"),
-        as_one_word(&first.source)
-    );
+    let sentence =
+        format!("{} {have} from the same source, and {count_as}. {}", count(n, "row"), if_a_slip(&first.source));
     Some(Finding::new(sentence).with("rows as others", n as f64, "1"))
+}
+
+fn if_a_slip(source: &str) -> String {
+    format!("If that is a slip: `infuse import --withdraw {}`, put it right, and import it again.", as_one_word(source))
 }
 
 /// Stops using what was imported from a source.

@@ -90,16 +90,10 @@ fn sheet_left(campaign: &dyn Campaign, journal: &Journal, path: &Path) -> String
         }
     };
     let of = |ids: &BTreeSet<u64>| of_experiments(ids.iter().copied());
+    let remove = if faults.is_empty() { ": move or remove it before the next ask" } else { "" };
     let has = match (never_told.is_empty(), told_before.is_empty()) {
-        (true, true) if !faults.is_empty() => String::new(),
-        (true, true) => ": move or remove it before the next ask".to_owned(),
-        (true, false) if !faults.is_empty() => {
-            format!(", and has results that were told and taken back, of {}", of(&told_before))
-        }
-        (true, false) => format!(
-            ", and has results that were told and taken back, of {}: move or remove it before the next ask",
-            of(&told_before)
-        ),
+        (true, true) => remove.to_owned(),
+        (true, false) => format!(", and has results that were told and taken back, of {}{remove}", of(&told_before)),
         (false, true) => format!(", and has results that were never told, of {}: {keep}", of(&never_told)),
         (false, false) => format!(
             ", and has results that were told and taken back, of {}, and others that were never told, of {}: {keep}",

@@ -4,6 +4,7 @@ use design_space::{Levels, Parameter};
 use serde_json::{Value, json};
 
 use crate::number::{parse, plain, rounded, setting};
+use crate::wording::place_in_any_case;
 
 /// With all its digits, as sheets and programs get it.
 pub(crate) fn written(parameter: &Parameter, value: f64) -> String {
@@ -26,18 +27,10 @@ pub(crate) fn parse_setting(parameter: &Parameter, text: &str) -> Result<f64, St
         None => parse(text).map_err(|fault| fault.to_string()),
         Some(choices) => {
             let named: Vec<String> = choices.iter().map(|choice| format!("`{choice}`")).collect();
-            let exact = parameter.of_choice(text);
-            exact.or_else(|| in_any_case(choices, text)).ok_or_else(|| format!("one of {}", named.join(", ")))
+            let place = place_in_any_case(choices.iter().map(String::as_str), text);
+            place.map(|place| place as f64).ok_or_else(|| format!("one of {}", named.join(", ")))
         }
     }
-}
-
-/// The place of the one choice that has this name but for its case.
-fn in_any_case(choices: &[String], text: &str) -> Option<f64> {
-    let text = text.to_lowercase();
-    let mut alike = choices.iter().enumerate().filter(|(_, choice)| choice.to_lowercase() == text);
-    let (place, _) = alike.next()?;
-    alike.next().is_none().then_some(place as f64)
 }
 
 /// The distance between neighboring levels; 0 without levels.

@@ -12,6 +12,7 @@ use super::{text, workbook};
 use crate::echo::{echo, echo_all};
 use crate::number::NoNumber;
 use crate::problem::parse_setting;
+use crate::wording::place_in_any_case;
 
 /// Columns that hold whatever people write.
 const TEXTS: [&str; 3] = ["failed", "note", "source"];
@@ -220,12 +221,7 @@ fn find(heading: &str, columns: &[Column]) -> Result<usize> {
         Some((name, unit)) => (name.trim(), Some(unit.trim())),
         None => (heading.trim(), None),
     };
-    let exact = columns.iter().position(|column| column.name == name);
-    let alike = || {
-        let mut alike = (0..columns.len()).filter(|&at| columns[at].name.to_lowercase() == name.to_lowercase());
-        alike.next().filter(|_| alike.next().is_none())
-    };
-    match exact.or_else(alike) {
+    match place_in_any_case(columns.iter().map(|column| &*column.name), name) {
         Some(column) if unit.unwrap_or_default() == columns[column].unit => Ok(column),
         Some(column) if unit.is_some() => {
             bail!("`{}` has another unit, expected `{}`", echo(heading), columns[column].heading())
