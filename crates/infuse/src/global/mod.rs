@@ -89,6 +89,7 @@ mod cells;
 mod changes;
 mod earlier;
 mod experience;
+mod farthest;
 mod fits;
 mod greedy;
 mod left;

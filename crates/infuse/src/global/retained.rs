@@ -1,7 +1,9 @@
-//! What is left of the gridded space: one bit a cell.
+//! What is left of the gridded space: one bit a cell, where it is not all or nothing.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
+use std::ops::Range;
+use std::sync::Arc;
 
 use design_space::Cell;
 use rayon::prelude::*;
@@ -10,20 +12,55 @@ use surface::{GridPoints, LANES, Lanes, MOST_FACTORS, PointSource, Surface};
 use crate::Error;
 use crate::convergence::Norm;
 
-/// Words of 64 cells that one thread takes at a time.
+/// Words of 64 cells that are held together, and that one thread takes at a time.
 const CHUNK: usize = 64;
+/// The cells of a chunk.
+const CHUNK_CELLS: u64 = 64 * CHUNK as u64;
 /// With no more cells than this left among a block of lanes, they are evaluated one by one.
 const FEW: u32 = 3;
 
 const _: () = assert!(LANES < 64 && 64 % LANES == 0, "a word of cells is some whole blocks of lanes");
 
+/// 64 cells a word, the first cell in the lowest bit.
+type Words = [u64; CHUNK];
+
+static ALL: Words = [u64::MAX; CHUNK];
+static NONE: Words = [0; CHUNK];
+
+/// Some neighboring cells: two sets whose cells are the same here hold them once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Chunk {
+    All,
+    Nothing,
+    /// Some of them, not all.
+    Part(Arc<Words>),
+}
+
+impl Chunk {
+    fn of(words: Words) -> Self {
+        match words {
+            words if words == ALL => Self::All,
+            words if words == NONE => Self::Nothing,
+            words => Self::Part(Arc::new(words)),
+        }
+    }
+
+    fn words(&self) -> &Words {
+        match self {
+            Self::All => &ALL,
+            Self::Nothing => &NONE,
+            Self::Part(words) => words,
+        }
+    }
+}
+
 /// The design space M_i: the cells of a grid that have not been dropped.
 ///
-/// Cells count as in [`Grid`](design_space::Grid), the last parameter fastest. A cell takes one bit, whatever the
-/// number of parameters.
+/// Cells count as in [`Grid`](design_space::Grid), the last parameter fastest. A cell takes at most one bit, whatever the
+/// number of parameters; neighbors that are all retained, or all dropped, take next to nothing, and copies share the rest.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RetainedSet {
-    words: Vec<u64>,
+    chunks: Vec<Chunk>,
     n_cells: u64,
     n_retained: u64,
 }
@@ -38,14 +75,19 @@ pub(crate) struct Least {
 impl RetainedSet {
     /// All cells.
     pub(crate) fn full(n_cells: u64) -> Self {
-        let n_words = n_cells.div_ceil(64);
-        let mut words = vec![u64::MAX; usize::try_from(n_words).unwrap_or(usize::MAX)];
-        if let Some(last) = words.last_mut()
-            && !n_cells.is_multiple_of(64)
-        {
-            *last = (1 << (n_cells % 64)) - 1;
+        let n_chunks = usize::try_from(n_cells / CHUNK_CELLS).unwrap_or(usize::MAX);
+        let mut chunks = vec![Chunk::All; n_chunks];
+        let n_rest = n_cells % CHUNK_CELLS;
+        if n_rest > 0 {
+            let mut last = NONE;
+            let (n_words, n_bits) = ((n_rest / 64) as usize, n_rest % 64);
+            last[..n_words].fill(u64::MAX);
+            if n_bits > 0 {
+                last[n_words] = (1 << n_bits) - 1;
+            }
+            chunks.push(Chunk::of(last));
         }
-        Self { words, n_cells, n_retained: n_cells }
+        Self { chunks, n_cells, n_retained: n_cells }
     }
 
     /// Number of cells of the original grid.
@@ -70,19 +112,39 @@ impl RetainedSet {
     #[must_use]
     pub fn contains(&self, cell: Cell) -> bool {
         let cell = cell.index();
-        let word = usize::try_from(cell / 64).ok().and_then(|at| self.words.get(at));
-        word.is_some_and(|word| word >> (cell % 64) & 1 == 1)
+        let chunk = usize::try_from(cell / CHUNK_CELLS).ok().and_then(|at| self.chunks.get(at));
+        chunk.is_some_and(|chunk| chunk.words()[word_of(cell)] >> (cell % 64) & 1 == 1)
     }
 
     /// The retained cells, rising.
     pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
-        let of_word = |(&word, at)| bits(word).map(move |bit| Cell::new(64 * at + u64::from(bit)));
-        self.words.iter().zip(0_u64..).flat_map(of_word)
+        self.words().flat_map(|(at, word)| bits(word).map(move |bit| Cell::new(64 * at + u64::from(bit))))
     }
 
-    /// 64 cells a word, the first cell in the lowest bit.
-    pub(crate) fn words(&self) -> &[u64] {
-        &self.words
+    /// 64 cells a word, the first cell in the lowest bit, each with its number; of those without a cell not all.
+    pub(crate) fn words(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
+        let some = self.chunks.iter().zip(0_u64..).filter(|(chunk, _)| **chunk != Chunk::Nothing);
+        some.flat_map(|(chunk, at)| (at * CHUNK as u64..).zip(chunk.words().iter().copied()))
+    }
+
+    /// The first and the last retained cell among these.
+    pub(crate) fn ends(&self, cells: Range<u64>) -> Option<(u64, u64)> {
+        let word = |at: u64| {
+            let word = self.chunks[(at / CHUNK as u64) as usize].words()[(at % CHUNK as u64) as usize];
+            let from = if at == cells.start / 64 { u64::MAX << (cells.start % 64) } else { u64::MAX };
+            let to = if at == (cells.end - 1) / 64 { u64::MAX >> (63 - (cells.end - 1) % 64) } else { u64::MAX };
+            (at, word & from & to)
+        };
+        let mut some = (cells.start / 64..cells.end.div_ceil(64)).map(word).filter(|&(_, word)| word != 0);
+        let first = some.next()?;
+        let last = some.next_back().unwrap_or(first);
+        Some((64 * first.0 + u64::from(first.1.trailing_zeros()), 64 * last.0 + 63 - u64::from(last.1.leading_zeros())))
+    }
+
+    /// The words of every chunk that has a cell, and the number of its first word: in the order of the cells.
+    pub(crate) fn par_words(&self) -> impl IndexedParallelIterator<Item = (u64, &[u64])> + '_ {
+        let some: Vec<usize> = (0..self.chunks.len()).filter(|&at| self.chunks[at] != Chunk::Nothing).collect();
+        some.into_par_iter().map(|at| ((at * CHUNK) as u64, self.chunks[at].words().as_slice()))
     }
 
     /// The retained cell of the smallest estimate, of equals the first; none if no estimate is a number.
@@ -97,7 +159,7 @@ impl RetainedSet {
         points: &GridPoints,
         surface: &dyn Surface,
     ) -> Option<Least> {
-        let of_chunk = |(words, at): (&[u64], u64)| {
+        let of_chunk = |(at, words): (u64, &[u64])| {
             let mut best: Option<Least> = None;
             each_estimate(words, at, points, surface, |cell, value| {
                 let cell = Cell::new(cell);
@@ -114,17 +176,17 @@ impl RetainedSet {
             Some(Ordering::Less) => b,
             _ => a,
         };
-        self.words.par_chunks(CHUNK).zip(chunk_starts(&self.words)).filter_map(of_chunk).reduce_with(least)
+        self.par_words().filter_map(of_chunk).reduce_with(least)
     }
 
     /// The largest magnitude of the estimates over the retained cells.
     pub(crate) fn largest_magnitude(&self, points: &GridPoints, surface: &dyn Surface) -> f64 {
-        let of_chunk = |(words, at): (&[u64], u64)| {
+        let of_chunk = |(at, words): (u64, &[u64])| {
             let mut largest = 0.0_f64;
             each_estimate(words, at, points, surface, |_, value| largest = largest.max(value.abs()));
             largest
         };
-        self.words.par_chunks(CHUNK).zip(chunk_starts(&self.words)).map(of_chunk).reduce(|| 0.0, f64::max)
+        self.par_words().map(of_chunk).reduce(|| 0.0, f64::max)
     }
 
     /// A norm of a surface over the retained cells, each of this measure; nothing is stored per cell.
@@ -145,19 +207,19 @@ impl RetainedSet {
             });
         }
         let largest = self.largest_magnitude(points, surface);
-        let of_chunk = |(words, at): (&[u64], u64)| {
+        let of_chunk = |(at, words): (u64, &[u64])| {
             let mut sum = 0.0;
             each_estimate(words, at, points, surface, |_, value| sum += norm.share(value, largest));
             sum
         };
         // One sum per chunk, added up in order: the same bits on any number of threads.
-        let sums: Vec<f64> = self.words.par_chunks(CHUNK).zip(chunk_starts(&self.words)).map(of_chunk).collect();
+        let sums: Vec<f64> = self.par_words().map(of_chunk).collect();
         norm.of_shares(largest, sums.iter().sum(), self.n_retained, measure)
     }
 
     /// The first retained cell at which a surface is not a finite number.
     fn first_not_finite(&self, points: &GridPoints, surface: &dyn Surface) -> Option<(u64, f64)> {
-        let of_chunk = |(words, at): (&[u64], u64)| {
+        let of_chunk = |(at, words): (u64, &[u64])| {
             let mut found = None;
             each_estimate(words, at, points, surface, |cell, value| {
                 if found.is_none() && !value.is_finite() {
@@ -166,14 +228,17 @@ impl RetainedSet {
             });
             found
         };
-        self.words.par_chunks(CHUNK).zip(chunk_starts(&self.words)).find_map_first(of_chunk)
+        self.par_words().find_map_first(of_chunk)
     }
 
     /// The same without these cells.
     pub(crate) fn without(&self, cells: &BTreeSet<Cell>) -> Self {
         let mut others = self.clone();
         for cell in cells.iter().filter(|&&cell| self.contains(cell)) {
-            others.words[(cell.index() / 64) as usize] &= !(1 << (cell.index() % 64));
+            let chunk = &mut others.chunks[(cell.index() / CHUNK_CELLS) as usize];
+            let mut words = *chunk.words();
+            words[word_of(cell.index())] &= !(1 << (cell.index() % 64));
+            *chunk = Chunk::of(words);
             others.n_retained -= 1;
         }
         others
@@ -181,24 +246,28 @@ impl RetainedSet {
 
     /// Drops every retained cell whose estimate is not to be kept.
     pub(crate) fn retain(&mut self, points: &GridPoints, surface: &dyn Surface, keep: impl Fn(f64) -> bool + Sync) {
-        let starts = chunk_starts(&self.words);
-        let of_chunk = |(words, at): (&mut [u64], u64)| {
-            let before = words.to_vec();
-            each_estimate(&before, at, points, surface, |cell, value| {
+        let of_chunk = |(at, chunk): (usize, &mut Chunk)| {
+            if *chunk == Chunk::Nothing {
+                return 0;
+            }
+            let (mut after, at) = (*chunk.words(), (at * CHUNK) as u64);
+            each_estimate(chunk.words(), at, points, surface, |cell, value| {
                 if !keep(value) {
-                    let inside = cell - 64 * at;
-                    words[(inside / 64) as usize] &= !(1 << (inside % 64));
+                    after[word_of(cell)] &= !(1 << (cell % 64));
                 }
             });
-            words.iter().map(|word| u64::from(word.count_ones())).sum::<u64>()
+            if after != *chunk.words() {
+                *chunk = Chunk::of(after);
+            }
+            after.iter().map(|word| u64::from(word.count_ones())).sum::<u64>()
         };
-        self.n_retained = self.words.par_chunks_mut(CHUNK).zip(starts).map(of_chunk).sum();
+        self.n_retained = self.chunks.par_iter_mut().enumerate().map(of_chunk).sum();
     }
 }
 
-/// Index of the first word of every chunk.
-fn chunk_starts(words: &[u64]) -> impl IndexedParallelIterator<Item = u64> + use<> {
-    (0..words.len().div_ceil(CHUNK)).into_par_iter().map(|chunk| (chunk * CHUNK) as u64)
+/// The word of a cell within its chunk.
+fn word_of(cell: u64) -> usize {
+    (cell % CHUNK_CELLS / 64) as usize
 }
 
 /// Positions of the ones, rising.
