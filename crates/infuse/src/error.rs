@@ -196,8 +196,11 @@ pub enum Error {
     #[cfg(feature = "global")]
     #[error(transparent)]
     Surface(#[from] surface::Error),
-    /// A grid with more cells than the retained set can hold.
-    #[error("the grid has {n_cells} cells, expected at most {most}: fewer levels or fewer parameters")]
+    /// A grid with more cells than the gridded loop can go through.
+    #[error(
+        "the grid has {n_cells} cells, and this loop goes through all of them: expected at most {most}, with fewer levels or \
+         parameters; or the pooled loop, which goes through few"
+    )]
     TooManyCells {
         /// Cells of the grid.
         n_cells: u64,

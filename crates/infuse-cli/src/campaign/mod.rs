@@ -20,7 +20,7 @@ use crate::journal::{Constrained, Event, Journal, Measured, Submitted, Writer};
 use crate::problem::Problem;
 pub(crate) use changes::changes;
 pub(crate) use experiments::Experiments;
-pub(crate) use progress::Progress;
+pub(crate) use progress::{Progress, busy};
 pub(crate) use reading::Reading;
 pub(crate) use simulations::{FailedSimulation, checked, failed_in_words, simulate_missing};
 

@@ -1,7 +1,8 @@
 //! How far runs are, on a terminal.
 
-use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressFinish, ProgressState, ProgressStyle};
 use std::io::Write as _;
+use std::time::Duration;
 
 /// A bar, and what was said of the queue.
 #[derive(Debug)]
@@ -36,6 +37,13 @@ impl Progress {
             self.bar.suspend(|| drop(writeln!(std::io::stderr(), "{note}")));
         }
     }
+}
+
+/// Shows that something is being computed, until it is dropped.
+pub(crate) fn busy(what: String) -> ProgressBar {
+    let spinner = ProgressBar::new_spinner().with_message(what).with_finish(ProgressFinish::AndClear);
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    spinner
 }
 
 /// How long it takes still, as soon as that is known.

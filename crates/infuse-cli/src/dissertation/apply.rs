@@ -2,13 +2,18 @@
 
 use anyhow::{Context as _, Result, bail, ensure};
 use design_space::Cell;
+use indicatif::ProgressBar;
 use infuse::pooled::Trial;
 use infuse::{Error, global};
 use std::cell::OnceCell;
 
 use super::campaign::{Campaign, EarlierChange, Planned, Remembered};
+use crate::campaign::busy;
 use crate::journal::{Event, JOURNAL, Learned, Measured, Submitted, Told};
-use crate::number::plain;
+use crate::number::{grouped, plain};
+
+/// So many designs are gone through before anybody wonders.
+const FEW_CELLS: u64 = 10_000_000;
 
 impl Campaign {
     /// An event of the journal; an error names its line.
@@ -57,7 +62,14 @@ impl Campaign {
         Ok(())
     }
 
+    /// Shows that all designs are gone through, where that takes seconds.
+    fn passing(&self) -> Option<ProgressBar> {
+        let (n_cells, batch) = (self.now.retained().n_cells(), self.batch());
+        (n_cells > FEW_CELLS).then(|| busy(format!("batch {batch}: going through {} designs", grouped(n_cells))))
+    }
+
     fn open_batch(&mut self, batch: usize) -> Result<()> {
+        let _passing = self.passing();
         let Some(planned) = self.plan.as_mut().filter(|planned| planned.batch == batch && !planned.is_open) else {
             bail!("batch {batch} is opened, expected a batch that was planned just before");
         };
@@ -115,6 +127,7 @@ impl Campaign {
     /// The campaign with all that has been told up to now.
     pub(super) fn refresh(&mut self) -> Result<()> {
         if self.is_stale {
+            let _passing = self.passing();
             self.now = self.with_what_was_told()?;
             self.outlook = OnceCell::new();
             self.is_stale = false;

@@ -1,11 +1,10 @@
 //! A batch designed, simulated and opened.
 
 use anyhow::{Result, bail};
-use indicatif::ProgressBar;
 use infuse::Error;
 
 use super::campaign::{Campaign, Stage};
-use crate::campaign::{HandedOut, failed_in_words, simulate_missing};
+use crate::campaign::{HandedOut, busy, failed_in_words, simulate_missing};
 use crate::journal::{Event, Writer, now};
 use crate::simulator::identity;
 
@@ -21,8 +20,7 @@ pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, anyway: boo
             Stage::NotWorth { .. } if anyway => {}
             _ => return Ok(done),
         }
-        let searching = ProgressBar::new_spinner().with_message(format!("designing batch {}", campaign.batch()));
-        searching.enable_steady_tick(std::time::Duration::from_millis(200));
+        let searching = busy(format!("designing batch {}", campaign.batch()));
         let planning = campaign.planning()?;
         searching.finish_and_clear();
         campaign.write_down(writer, planning.into_iter().collect())?;

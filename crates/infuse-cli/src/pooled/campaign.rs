@@ -4,18 +4,16 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use std::time::Duration;
 
 use anyhow::{Result, anyhow, bail, ensure};
 use design_space::{Cell, Grid};
-use indicatif::ProgressBar;
 use infuse::global::PureError;
 use infuse::pooled::reported::Block;
 use infuse::pooled::{Assessment, Loop, Reason, Responses, Settings, Simulate};
 use infuse::{Error, Outcome, TrialId};
 use serde_json::{Value, json};
 
-use crate::campaign::{Experiments, Imported, Reading};
+use crate::campaign::{Experiments, Imported, Reading, busy};
 use crate::echo::echo;
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
 use crate::number::{count, plain};
@@ -716,13 +714,6 @@ impl Campaign {
 /// Where the loop is told that further runs of an experiment come from: of what day they are nobody knows.
 fn source_of_further(id: u64) -> String {
     format!("experiment {id}")
-}
-
-/// Shows that something is being computed.
-pub(super) fn busy(what: String) -> ProgressBar {
-    let spinner = ProgressBar::new_spinner().with_message(what);
-    spinner.enable_steady_tick(Duration::from_millis(200));
-    spinner
 }
 
 /// Whether a simulation says more than one thing.

@@ -7,7 +7,7 @@ use design_space::Cell;
 use infuse::Outcome;
 use infuse::pooled::{Ask, Loop, Responses, Settings};
 
-use super::campaign::busy;
+use crate::campaign::busy;
 use crate::problem::Problem;
 
 /// From the results of one batch, which fall and rise with every parameter; what stands for the simulation, if there is one, costs nothing.

@@ -5,8 +5,8 @@ use design_space::Cell;
 use infuse::pooled::{Ask, Reason};
 
 use super::buildable::some_are_refused;
-use super::campaign::{Batch, Campaign, Origin, busy, tells_designs_apart};
-use crate::campaign::{Campaign as _, HandedOut, Stage, Wish, failed_in_words, simulate_missing};
+use super::campaign::{Batch, Campaign, Origin, tells_designs_apart};
+use crate::campaign::{Campaign as _, HandedOut, Stage, Wish, busy, failed_in_words, simulate_missing};
 use crate::journal::{Event, Measured, Writer, now};
 use crate::simulator::identity;
 

@@ -14,8 +14,8 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// One bit per cell: 2 GiB.
-    pub(crate) const MOST: u64 = 1 << 34;
+    /// The loop goes through all of them several times a batch, and a set of some of them takes up to 128 MiB.
+    pub(crate) const MOST: u64 = 1 << 30;
 
     pub(crate) fn of(region: &Region) -> Result<Self, Error> {
         let grid = Grid::of(region)?;

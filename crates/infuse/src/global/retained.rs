@@ -18,6 +18,8 @@ const CHUNK: usize = 64;
 const CHUNK_CELLS: u64 = 64 * CHUNK as u64;
 /// With no more cells than this left among a block of lanes, they are evaluated one by one.
 const FEW: u32 = 3;
+/// A bit for each lane of a block.
+const EVERY_LANE: u64 = (1 << LANES) - 1;
 
 const _: () = assert!(LANES < 64 && 64 % LANES == 0, "a word of cells is some whole blocks of lanes");
 
@@ -290,7 +292,7 @@ fn each_estimate(words: &[u64], at: u64, points: &GridPoints, surface: &dyn Surf
             continue;
         }
         for shift in (0..64).step_by(LANES) {
-            let lanes = word >> shift & ((1 << LANES) - 1);
+            let lanes = word >> shift & EVERY_LANE;
             if lanes == 0 {
                 continue;
             }
@@ -307,6 +309,12 @@ fn each_estimate(words: &[u64], at: u64, points: &GridPoints, surface: &dyn Surf
             let n_filled = (points.n_points() - first).min(LANES as u64) as usize;
             points.fill(first, n_filled, block);
             surface.predict_lanes(block, &mut estimates);
+            if lanes == EVERY_LANE {
+                for (cell, &estimate) in (first..).zip(&estimates) {
+                    each(cell, estimate);
+                }
+                continue;
+            }
             for bit in bits(lanes) {
                 each(first + u64::from(bit), estimates[bit as usize]);
             }

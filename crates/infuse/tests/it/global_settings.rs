@@ -88,7 +88,7 @@ fn a_grid_beyond_the_bits_of_a_machine_is_refused() {
     let region = grid(&[24; 8]);
     let settings = global::Settings::new(Model::additive_quadratic(8).unwrap(), 20, 40);
     let error = global::Loop::new(&region, settings).unwrap_err();
-    assert_eq!(error, Error::TooManyCells { n_cells: 24_u64.pow(8), most: 1 << 34 });
+    assert_eq!(error, Error::TooManyCells { n_cells: 24_u64.pow(8), most: 1 << 30 });
 }
 
 #[test]
