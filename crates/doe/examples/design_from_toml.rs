@@ -103,7 +103,11 @@ fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     };
     if report.starts == 0 {
         writeln!(stdout(), "{efficiency}; the search ended because {stop}{unfinished}")?;
-        writeln!(stdout(), "no start is whole: the search needs more time, this is the best that it had on its way\n")?;
+        writeln!(stdout())?;
+        writeln!(
+            io::stderr(),
+            "warning: no start is whole: this is the best that the search had on its way, with more `seconds` it finds a better one"
+        )?;
     } else {
         let starts = if report.starts == 1 { "start" } else { "starts" };
         let made = format!("found {times} in {} whole {starts}", report.starts);

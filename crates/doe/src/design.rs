@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::check_points;
-use crate::same::{is_same_run, is_within, unite};
+use crate::same::{is_within, twins, unite};
 use crate::{Error, Region, Space};
 
 /// An ordered list of runs in coded coordinates: n_runs × n_factors, row by row.
@@ -128,15 +128,8 @@ impl Design {
     }
 
     /// The first and the last run before each that are its replicates; none where there is none.
-    /// Of thousands of runs their pairs would fill the memory.
     pub(crate) fn twins(&self) -> Vec<Option<(usize, usize)>> {
-        let runs: Vec<&[f64]> = self.runs().collect();
-        let twins = |(index, run): (usize, &&[f64])| {
-            let first = runs[..index].iter().position(|other| is_same_run(other, run))?;
-            let last = runs[..index].iter().rposition(|other| is_same_run(other, run))?;
-            Some((first, last))
-        };
-        runs.iter().enumerate().map(twins).collect()
+        twins(self.n_factors, &self.coordinates)
     }
 
     /// Pairs of runs that are the same point to within `tolerance` in every coordinate, first before second.

@@ -46,6 +46,45 @@ pub(crate) fn unite(n_factors: usize, coordinates: &mut [f64], n_fixed: usize) {
     }
 }
 
+/// The first and the last point before each that are the same run; none where there is none.
+/// Of thousands of runs their pairs would fill the memory.
+pub(crate) fn twins(n_factors: usize, coordinates: &[f64]) -> Vec<Option<(usize, usize)>> {
+    let point = |index: usize| &coordinates[index * n_factors..][..n_factors];
+    let mut twins = vec![None; coordinates.len() / n_factors];
+    for crowd in crowds(n_factors, coordinates) {
+        // Points of the same coordinates once, with the first and the last of them so far.
+        let mut own: Vec<(usize, usize)> = Vec::new();
+        for index in crowd {
+            let same = own.iter().filter(|&&(first, _)| is_same_run(point(first), point(index)));
+            twins[index] = same.copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+            match own.iter_mut().find(|&&mut (first, _)| point(first) == point(index)) {
+                Some((_, last)) => *last = index,
+                None => own.push((index, index)),
+            }
+        }
+    }
+    twins
+}
+
+/// The points that are the same run as an earlier one, each with the first such that is not so itself: in groups, by index, each
+/// rising, and by their first.
+pub(crate) fn groups(n_factors: usize, coordinates: &[f64]) -> Vec<Vec<usize>> {
+    let point = |index: usize| &coordinates[index * n_factors..][..n_factors];
+    let mut all = Vec::new();
+    for crowd in crowds(n_factors, coordinates) {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for index in crowd {
+            match groups.iter_mut().find(|group| is_same_run(point(group[0]), point(index))) {
+                Some(group) => group.push(index),
+                None => groups.push(vec![index]),
+            }
+        }
+        all.extend(groups.into_iter().filter(|group| group.len() > 1));
+    }
+    all.sort_unstable();
+    all
+}
+
 /// Crowds of points, by index and rising, outside of which no point is the same run as one of them: along every axis in turn
 /// points are parted where there is a gap. Points alone are left out.
 fn crowds(n_factors: usize, coordinates: &[f64]) -> Vec<Vec<usize>> {
@@ -105,6 +144,21 @@ mod tests {
             unite(n_factors, &mut united, 0);
             let after: Vec<&[f64]> = united.chunks_exact(n_factors).collect();
             assert!(pairs(&after).iter().all(|&(i, j)| after[i] == after[j]), "{n_factors} factors, {n_points} points");
+            let before = |i: usize| {
+                let same: Vec<usize> = (0..i).filter(|&j| is_same_run(all[j], all[i])).collect();
+                same.first().copied().zip(same.last().copied())
+            };
+            let expected: Vec<_> = (0..all.len()).map(before).collect();
+            assert_eq!(twins(n_factors, &points), expected, "{n_factors} factors, {n_points} points");
+            let mut expected: Vec<Vec<usize>> = Vec::new();
+            for run in 0..all.len() {
+                match expected.iter_mut().find(|group| is_same_run(all[group[0]], all[run])) {
+                    Some(group) => group.push(run),
+                    None => expected.push(vec![run]),
+                }
+            }
+            expected.retain(|group| group.len() > 1);
+            assert_eq!(groups(n_factors, &points), expected, "{n_factors} factors, {n_points} points");
             assert!(united.iter().zip(&points).all(|(x, y)| (x - y).abs() <= SAME_RUN), "nothing moves farther");
         }
     }

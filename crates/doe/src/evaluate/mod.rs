@@ -16,7 +16,7 @@ pub use terms::{Alias, Coefficient, Correlations};
 
 use crate::ascent::climb;
 use crate::products::Products;
-use crate::same::is_same_run;
+use crate::same::groups;
 use crate::shape::Shape;
 use crate::{
     Criterion, Design, Efficiency, Error, Information, Model, Over, PredictionVariance, Space,
@@ -151,7 +151,8 @@ pub fn evaluate(
     let named: Vec<&str> = settings.factors.iter().map(String::as_str).collect();
     let terms = model.term_names(&named);
     let confounded = confounded_terms_of_design(model, design)?;
-    let (n_distinct, replicates) = groups(design);
+    let replicates = groups(design.n_factors(), design.coordinates());
+    let n_distinct = design.n_runs() - replicates.iter().map(|group| group.len() - 1).sum::<usize>();
     let outside: Vec<usize> =
         design.runs().enumerate().filter(|(_, run)| !space.contains(run)).map(|(index, _)| index).collect();
     let lies_in_box = |&index: &usize| match space.shape() {
@@ -228,20 +229,4 @@ fn minimum(model: &Model, space: &Space, information: &Information, points: &[f6
             descents.fold(best, |a, b| if b.1 < a.1 { b } else { a })
         }
     }
-}
-
-/// Number of distinct points, and the runs at each point that has several.
-fn groups(design: &Design) -> (usize, Vec<Vec<usize>>) {
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    let runs: Vec<&[f64]> = design.runs().collect();
-    let same = |a: usize, b: usize| is_same_run(runs[a], runs[b]);
-    for run in 0..runs.len() {
-        match groups.iter_mut().find(|group| same(group[0], run)) {
-            Some(group) => group.push(run),
-            None => groups.push(vec![run]),
-        }
-    }
-    let n_distinct = groups.len();
-    groups.retain(|group| group.len() > 1);
-    (n_distinct, groups)
 }

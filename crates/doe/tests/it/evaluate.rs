@@ -196,6 +196,25 @@ fn replicates_and_runs_outside_are_named() {
     );
 }
 
+/// The corners of the square in turn: in closed form every leverage of the linear model is 3/N, and every corner has N/4 runs.
+#[test]
+fn of_many_thousands_of_runs_the_report_is_short_and_its_numbers_can_be_read() {
+    const N: usize = 200_000;
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
+    let runs: Vec<[f64; 2]> = corners.iter().copied().cycle().take(N).collect();
+    let evaluation = evaluated(&Model::linear(2).unwrap(), &Design::from_runs(&runs).unwrap());
+    assert_eq!(evaluation.degrees_of_freedom.pure_error, N - 4);
+    for (corner, group) in evaluation.replicates.iter().enumerate() {
+        assert!(group.iter().copied().eq((corner..N).step_by(4)), "corner {corner}");
+    }
+    let text = evaluation.to_string();
+    assert!(text.len() < 4000, "{} bytes", text.len());
+    let leverage = text.lines().find(|line| line.starts_with("leverage: 1.500e-5 (run ")).unwrap_or_default();
+    assert!(leverage.contains(") to 1.500e-5 (run ") && leverage.ends_with(", 1.500e-5 in the mean"), "{text}");
+    assert!(text.contains("193, 197 and 49950 more"), "{text}");
+    assert!(text.contains("largest  1.500e-5 at"), "{text}");
+}
+
 #[test]
 fn forbidden_runs_are_warned_of_first() {
     let design =
