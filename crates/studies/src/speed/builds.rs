@@ -39,14 +39,14 @@ pub(super) fn measured(root: &Path, mut done: impl FnMut()) -> Result<Vec<Built>
     Ok(built)
 }
 
-fn remove(folder: &Path) -> Result<()> {
+pub(super) fn remove(folder: &Path) -> Result<()> {
     match std::fs::remove_dir_all(folder) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(error).context(folder.display().to_string()),
         _ => Ok(()),
     }
 }
 
-fn cargo(root: &Path, arguments: &[&str], target: Option<&Path>) -> Result<()> {
+pub(super) fn cargo(root: &Path, arguments: &[&str], target: Option<&Path>) -> Result<()> {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments).arg("--quiet").current_dir(root).stdin(Stdio::null());
     if let Some(target) = target {

@@ -3,7 +3,9 @@
 mod builds;
 mod generated;
 mod guard;
+mod lists;
 mod page;
+mod shell;
 mod switches;
 mod tasks;
 mod theirs;
@@ -13,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
 pub(crate) use guard::run as guard;
-use page::Row;
+use page::{Measured, Row};
 pub(crate) use switches::run as flights;
 use tasks::{Task, tasks};
 use theirs::Theirs;
@@ -36,15 +38,19 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     let mut theirs = Theirs::start(root, "fixtures/peers/speed.py", "numpy, scipy and scikit-learn")?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
     let tasks = tasks(root)?;
-    let bar = progress("tasks, then builds from nothing", tasks.len() + builds::COUNT);
+    let n_steps = tasks.len() + lists::COUNT + shell::COUNT + builds::COUNT;
+    let bar = progress("tasks, searches, calls, builds from nothing", n_steps);
     let mut rows = Vec::with_capacity(tasks.len());
     for task in tasks {
         rows.push(pool.install(|| measured(task, &mut theirs))?);
         bar.inc(1);
     }
+    let searched = lists::measured(|| bar.inc(1))?;
+    let called = shell::measured(root, || bar.inc(1))?;
     let built = builds::measured(root, || bar.inc(1))?;
     bar.finish();
-    page::write(root, &rows, &built, THREADS, theirs.versions())
+    let measured = Measured { rows, searched, called, built };
+    page::write(root, &measured, THREADS, theirs.versions())
 }
 
 /// Again and again for a while, of which the last counts: threads that have rested begin on one processor, and the system moves them apart

@@ -5,6 +5,8 @@ use std::path::Path;
 use anyhow::Result;
 use page::{Column, Table, quantile};
 
+use super::lists::{GOAL, Searched};
+use super::shell::{Called, METHODS};
 use crate::kept;
 use crate::words::number;
 
@@ -20,6 +22,15 @@ pub(super) struct Row {
     pub(super) seconds: Vec<[f64; 2]>,
     /// A part of it that it can't do without, and how long that takes.
     pub(super) part: Option<(&'static str, Vec<f64>)>,
+}
+
+/// All of a run.
+#[derive(Debug)]
+pub(super) struct Measured {
+    pub(super) rows: Vec<Row>,
+    pub(super) searched: Vec<Searched>,
+    pub(super) called: Vec<Called>,
+    pub(super) built: Vec<Built>,
 }
 
 /// What was built from nothing.
@@ -50,15 +61,18 @@ impl Row {
     }
 }
 
-pub(super) fn write(root: &Path, rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> Result<()> {
-    kept::write(root, &[(PAGE, markdown(rows, built, n_threads, versions))])
+pub(super) fn write(root: &Path, measured: &Measured, n_threads: usize, versions: &str) -> Result<()> {
+    kept::write(root, &[(PAGE, markdown(measured, n_threads, versions))])
 }
 
-fn markdown(rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> String {
+fn markdown(measured: &Measured, n_threads: usize, versions: &str) -> String {
+    let Measured { rows, searched, called, built } = measured;
     let mut text = "# How fast\n\n".to_owned();
     text += &goals(rows);
     text += &span(rows);
-    if let [first, .., all] = built {
+    text += &calls(called);
+    text += &searches(searched);
+    if let [first, .., all] = built.as_slice() {
         text += &format!(
             "- From nothing, {} is compiled in {} s; {} in {} s, {} times as long.\n",
             first.words,
@@ -77,11 +91,20 @@ fn markdown(rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> 
          as a grid, of which only the levels are in memory, and once as points like any others; ours on {} threads, the reference ({versions}) on those that it takes, in slices that stay in the cache. \
          Ours fills an array that is kept, the reference makes one for each slice; adding up the estimates is in neither time. Both give \
          the same sums to 1e-9, but for the process: ours has a quadratic trend besides.\n\n\
+         ## The shell\n\n{}\n\
+         A campaign over the same 331,776 designs, whose simulations lie in a table of as many rows: five batches of 18 experiments, each \
+         asked for, told and looked at. The first call reads the table, the others its index. With `dissertation` the model is its default.\n\n\
+         ## Designs over a list\n\n{}\n\
+         Until a search on one thread over the same points as a list reaches 99 % of the best G-efficiency that a minute on {} threads \
+         finds over them as a grid; full quadratic, ten seeds. One that takes longer than two minutes counts as two minutes.\n\n\
          ## From nothing\n\n{}\n\
          Release builds, each in an empty target folder of its own, with all packages fetched before.\n\n\
          Written by `cargo xtask speed`, which needs a Python with numpy, scipy and scikit-learn; times are those of the machine, so \
          that `cargo xtask ci` does not repeat them.\n",
         rows.first().map_or(0, |row| row.seconds.len()),
+        n_threads,
+        calls_table(called).markdown(),
+        searches_table(searched).markdown(),
         n_threads,
         builds_table(built).markdown()
     );
@@ -133,6 +156,96 @@ fn span(rows: &[Row]) -> String {
     match (rows.iter().min_by(order), rows.iter().max_by(order)) {
         (Some(least), Some(most)) => format!("- Least is gained by: {}. Most by: {}.\n", words(least), words(most)),
         _ => String::new(),
+    }
+}
+
+/// The median and the largest.
+fn middle_and_most(seconds: &[f64]) -> [f64; 2] {
+    [0.5, 1.0].map(|share| quantile(seconds, share).unwrap_or(f64::NAN))
+}
+
+/// The 90th percentile.
+fn nine_of_ten(seconds: &[f64]) -> f64 {
+    quantile(seconds, 0.9).unwrap_or(f64::NAN)
+}
+
+fn verdict(is_met: bool) -> &'static str {
+    if is_met { "met" } else { "missed" }
+}
+
+/// How long the calls of the default method take.
+fn calls(called: &[Called]) -> String {
+    let says = |called: &Called| {
+        let [median, most] = middle_and_most(&called.seconds);
+        format!("`{}` takes {} s, at most {} s", called.call, number(median, 2), number(most, 2))
+    };
+    let default: Vec<String> = called.iter().filter(|called| called.method == METHODS[0]).map(says).collect();
+    let missed = called.iter().filter(|called| middle_and_most(&called.seconds)[0] > called.goal);
+    let missed: Vec<String> = missed.map(|called| format!("`{}` with `{}`", called.call, called.method)).collect();
+    let verdict =
+        if missed.is_empty() { "all goals are met".to_owned() } else { format!("missed by {}", missed.join(", ")) };
+    format!("- At 331,776 designs {}: {verdict}.\n", default.join(", "))
+}
+
+fn calls_table(called: &[Called]) -> Table {
+    let row = |called: &Called| {
+        let [median, most] = middle_and_most(&called.seconds);
+        vec![
+            format!("`{}`", called.call),
+            format!("`{}`", called.method),
+            number(median, 2),
+            number(most, 2),
+            number(called.goal, 2),
+            verdict(median <= called.goal).to_owned(),
+        ]
+    };
+    Table {
+        columns: vec![
+            Column::words("call"),
+            Column::words("method"),
+            Column::number("median", "s"),
+            Column::number("longest", "s"),
+            Column::number("goal for the median", "s"),
+            Column::words(""),
+        ],
+        rows: called.iter().map(row).collect(),
+    }
+}
+
+/// How long nine of ten searches take at most.
+fn searches(searched: &[Searched]) -> String {
+    let says = |searched: &Searched| {
+        let nine = nine_of_ten(&searched.seconds);
+        format!("{} s with {} runs ({})", number(nine, 1), searched.n_runs, verdict(nine <= GOAL))
+    };
+    let all: Vec<String> = searched.iter().map(says).collect();
+    format!(
+        "- Nine of ten searches over a list of as many points are within 1 % of the best after {}; the goal is {} s.\n",
+        all.join(" and "),
+        number(GOAL, 0)
+    )
+}
+
+fn searches_table(searched: &[Searched]) -> Table {
+    let row = |searched: &Searched| {
+        let [median, most] = middle_and_most(&searched.seconds);
+        vec![
+            searched.n_runs.to_string(),
+            number(searched.best, 3),
+            number(median, 1),
+            number(nine_of_ten(&searched.seconds), 1),
+            number(most, 1),
+        ]
+    };
+    Table {
+        columns: vec![
+            Column::number("runs", ""),
+            Column::number("best G-efficiency", "%"),
+            Column::number("median", "s"),
+            Column::number("90th percentile", "s"),
+            Column::number("longest", "s"),
+        ],
+        rows: searched.iter().map(row).collect(),
     }
 }
 
@@ -221,7 +334,15 @@ mod tests {
             row.ratios().into_iter().zip([10.0_f64, 15.0, 40.0]).map(|(found, expected)| (found - expected).abs());
         assert!(off.fold(0.0, f64::max) < 1e-9, "{:?}", row.ratios());
         let built = [Built { words: "the half", seconds: 20.0 }, Built { words: "the whole", seconds: 50.0 }];
-        let text = markdown(&[row], &built, 2, "numpy 2");
+        let searched = vec![Searched { n_runs: 18, best: 77.8, seconds: (1..=10).map(f64::from).collect() }];
+        let called =
+            |call, seconds: [f64; 3]| Called { call, method: METHODS[0], goal: 0.5, seconds: seconds.to_vec() };
+        let called = vec![called("ask", [0.3, 0.2, 0.9]), called("tell", [0.6, 0.7, 0.1])];
+        let measured = Measured { rows: vec![row], searched, called, built: built.into() };
+        let text = markdown(&measured, 2, "numpy 2");
+        let calls = "- At 331,776 designs `ask` takes 0.30 s, at most 0.90 s, `tell` takes 0.60 s, at most 0.70 s: missed by `tell` with `pooled`.";
+        assert!(text.contains(calls), "{text}");
+        assert!(text.contains("of the best after 9.1 s with 18 runs (missed); the goal is 5 s."), "{text}");
         assert!(text.contains("15.0 (10.0 to 40.0)") && text.contains("- All goals are met in this run."), "{text}");
         let compiled = "- From nothing, the half is compiled in 20 s; the whole in 50 s, 2.5 times as long.";
         assert!(text.contains(compiled) && text.contains("| the half | 20 | 40 |"), "{text}");
