@@ -1,12 +1,12 @@
 //! Which terms a design or a space cannot tell apart.
 
 use faer::Mat;
-use rand::SeedableRng;
+use rand::{RngExt as _, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::measure::Measure;
 use crate::shape::Shape;
-use crate::{Confounding, Design, Error, Model, Space};
+use crate::{Confounding, Design, Error, Model, Space, Term};
 
 /// A part of a column below this fraction of its length counts as nothing.
 const DEPENDENT: f64 = 1e-9;
@@ -36,7 +36,13 @@ pub fn confounded_terms(model: &Model, space: &Space) -> Result<Vec<Confounding>
         return Err(Error::FactorMismatch { what: "the space", expected, found });
     }
     Ok(match space.shape() {
-        Shape::List(list) => dependent(model, list.points()),
+        Shape::List(list) => {
+            let points: Vec<&[f64]> = list.points().collect();
+            if are_surely_independent(model, &points) {
+                return Ok(Vec::new());
+            }
+            dependent(model, points.into_iter())
+        }
         Shape::Box(shape) => {
             let mut generator = Pcg64::seed_from_u64(1);
             let measure = Measure::of(shape);
@@ -66,9 +72,34 @@ pub(crate) fn check_support(model: &Model, space: &Space) -> Result<(), Error> {
     if confounded.is_empty() { Ok(()) } else { Err(Error::Confounded { what: "space", confounded }) }
 }
 
+/// Whether some of many points already show that no term depends on others over all of them.
+///
+/// What is left of a column beside all others, by least squares, is no shorter over all points than over some, so it need only be
+/// long enough over these.
+fn are_surely_independent(model: &Model, points: &[&[f64]]) -> bool {
+    let n_some = 100 + 30 * model.n_terms();
+    if points.len() < 4 * n_some {
+        return false;
+    }
+    let mut generator = Pcg64::seed_from_u64(1);
+    let some: Vec<&[f64]> = (0..n_some).map(|_| points[generator.random_range(0..points.len())]).collect();
+    let columns = triangle(model, some.into_iter());
+    let largest = points.iter().copied().flatten().fold(1.0_f64, |largest, x| largest.max(x.abs()));
+    let longest = |term: &Term| largest.powf(f64::from(term.degree())) * (points.len() as f64).sqrt();
+    let n_rows = columns.first().map_or(0, Vec::len);
+    // The triangle's diagonal is what is left beside the columns before.
+    n_rows == model.n_terms()
+        && model.terms().iter().enumerate().all(|(j, term)| columns[j][j].abs() > DEPENDENT * longest(term))
+}
+
 /// The triangular factor of all regressors has the same dependences as the regressors, in p rows; blocks of points
 /// are folded into it one after the other, so a long list costs no memory.
 fn dependent<'a>(model: &Model, points: impl Iterator<Item = &'a [f64]>) -> Vec<Confounding> {
+    in_order(&triangle(model, points), &model.term_names(&[]))
+}
+
+/// Its columns.
+fn triangle<'a>(model: &Model, points: impl Iterator<Item = &'a [f64]>) -> Vec<Vec<f64>> {
     const BLOCK: usize = 512;
     let p = model.n_terms();
     let mut rows: Vec<f64> = Vec::with_capacity((BLOCK + p) * p);
@@ -85,8 +116,7 @@ fn dependent<'a>(model: &Model, points: impl Iterator<Item = &'a [f64]>) -> Vec<
     }
     fold(&mut rows, p);
     let n_rows = rows.len() / p;
-    let columns: Vec<Vec<f64>> = (0..p).map(|j| (0..n_rows).map(|i| rows[i * p + j]).collect()).collect();
-    in_order(&columns, &model.term_names(&[]))
+    (0..p).map(|j| (0..n_rows).map(|i| rows[i * p + j]).collect()).collect()
 }
 
 /// Replaces rows by the triangular factor of their QR factorization.

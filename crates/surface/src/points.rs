@@ -122,7 +122,8 @@ impl GridPoints {
     }
 
     /// The levels of each axis.
-    pub(crate) fn levels(&self) -> &[Vec<f64>] {
+    #[must_use]
+    pub fn levels(&self) -> &[Vec<f64>] {
         &self.levels
     }
 

@@ -28,7 +28,7 @@ impl Candidates {
             retained.cells().collect()
         } else {
             let mut chosen = sample(retained, limit, seed);
-            chosen.extend(extremes(retained, cells)?);
+            chosen.extend(extremes(retained, cells));
             chosen.into_iter().collect()
         };
         Self::of_cells(chosen, cells)
@@ -36,9 +36,15 @@ impl Candidates {
 
     /// These cells, at least one.
     pub(crate) fn of_cells(chosen: Vec<Cell>, cells: &Cells) -> Result<Self, Error> {
-        let mut coordinates = Vec::with_capacity(chosen.len() * cells.n_factors());
+        let (axes, combinations) = (cells.points().levels(), cells.grid().combinations());
+        let (mut coordinates, mut digits) = (Vec::with_capacity(chosen.len() * axes.len()), vec![0; axes.len()]);
         for &cell in &chosen {
-            coordinates.extend(cells.coded(cell)?);
+            let (index, n_cells) = (cell.index(), cells.n_cells());
+            if index >= n_cells {
+                return Err(design_space::Error::NoSuchCell { index, n_cells }.into());
+            }
+            combinations.fill_digits(index, &mut digits);
+            coordinates.extend(axes.iter().zip(&digits).map(|(axis, &digit)| axis[digit as usize]));
         }
         let space = Space::list(cells.n_factors(), coordinates)?;
         Ok(Self { cells: chosen, space })
@@ -64,10 +70,10 @@ fn sample(retained: &RetainedSet, n: u64, seed: u64) -> BTreeSet<Cell> {
 }
 
 /// The retained cells that lie farthest in some direction, and those on the lattice of the box around all.
-fn extremes(retained: &RetainedSet, cells: &Cells) -> Result<BTreeSet<Cell>, Error> {
+fn extremes(retained: &RetainedSet, cells: &Cells) -> BTreeSet<Cell> {
     let k = cells.n_factors();
     let combinations = cells.grid().combinations();
-    let mut chosen = farthest(retained, cells)?;
+    let mut chosen = farthest(retained, cells);
     let digits: Vec<Vec<u64>> = chosen.iter().map(|cell| combinations.digits(cell.index())).collect();
     let marks: Vec<[u64; 3]> = (0..k)
         .map(|j| {
@@ -83,7 +89,7 @@ fn extremes(retained: &RetainedSet, cells: &Cells) -> Result<BTreeSet<Cell>, Err
         });
         chosen.extend(lattice.filter(|&cell| retained.contains(cell)));
     }
-    Ok(chosen)
+    chosen
 }
 
 #[cfg(test)]
@@ -101,7 +107,7 @@ mod tests {
     #[test]
     fn corners_edges_faces_and_the_middle_of_a_full_grid_are_among_the_extremes() {
         let cells = cells(&[5, 7, 9]);
-        let chosen = extremes(&RetainedSet::full(cells.n_cells()), &cells).unwrap();
+        let chosen = extremes(&RetainedSet::full(cells.n_cells()), &cells);
         let points: Vec<Vec<f64>> = chosen.iter().map(|&cell| cells.coded(cell).unwrap()).collect();
         for number in 0..27 {
             let wanted = [1, 3, 9].map(|step| f64::from(number / step % 3) - 1.0);

@@ -6,7 +6,6 @@ use std::ops::Range;
 use design_space::{Cell, Combinations};
 use rayon::prelude::*;
 
-use crate::Error;
 use crate::global::cells::Cells;
 use crate::global::retained::RetainedSet;
 
@@ -17,28 +16,16 @@ const LINES: u64 = 1 << 14;
 
 /// The farthest retained cell along both directions of every axis and, while these are not too many, of every diagonal;
 /// of equals the first.
-pub(crate) fn farthest(retained: &RetainedSet, cells: &Cells) -> Result<BTreeSet<Cell>, Error> {
-    let axes = axes(cells)?;
+pub(crate) fn farthest(retained: &RetainedSet, cells: &Cells) -> BTreeSet<Cell> {
+    let axes = cells.points().levels();
     let n_lines = cells.n_cells() / cells.line();
     let of_part = |part: u64| {
         let lines = part * LINES..((part + 1) * LINES).min(n_lines);
-        of_lines(lines, retained, cells, &axes)
+        of_lines(lines, retained, cells, axes)
     };
     let found = (0..n_lines.div_ceil(LINES)).into_par_iter().map(of_part);
     let found = found.reduce(|| Farthest::none(axes.len()), Farthest::or_farther);
-    Ok(found.cells.into_iter().filter(|&cell| cell != NOWHERE).map(Cell::new).collect())
-}
-
-/// The coded levels of every parameter.
-fn axes(cells: &Cells) -> Result<Vec<Vec<f64>>, Error> {
-    let combinations = cells.grid().combinations();
-    let level = |j: usize, digit: u64| {
-        let mut digits = vec![0; cells.n_factors()];
-        digits[j] = digit;
-        Ok(cells.coded(Cell::new(combinations.index(&digits)))?[j])
-    };
-    let axis = |(j, &count): (usize, &u64)| (0..count).map(|digit| level(j, digit)).collect();
-    combinations.counts().iter().enumerate().map(axis).collect()
+    found.cells.into_iter().filter(|&cell| cell != NOWHERE).map(Cell::new).collect()
 }
 
 const NOWHERE: u64 = u64::MAX;
@@ -162,7 +149,7 @@ mod tests {
             let mut generator = Pcg64::seed_from_u64(seed as u64);
             let away = (0..cells.n_cells()).filter(|_| generator.random::<f64>() > share).map(Cell::new).collect();
             let retained = RetainedSet::full(cells.n_cells()).without(&away);
-            let chosen = farthest(&retained, &cells).unwrap();
+            let chosen = farthest(&retained, &cells);
             assert!(chosen.iter().all(|&cell| retained.contains(cell)), "{levels:?}: one that is not left");
             let k = levels.len();
             let axis = |number: usize| {

@@ -35,6 +35,8 @@ pub(super) struct Called {
 /// A campaign of five batches with each method; `done` gets each batch.
 pub(super) fn measured(root: &Path, mut done: impl FnMut()) -> Result<Vec<Called>> {
     cargo(root, &["build", "--release", "--locked", "--package", "infuse-cli"], None)?;
+    // It runs in another folder.
+    let root = &std::path::absolute(root)?;
     let program = root.join("target/release").join(format!("infuse{}", std::env::consts::EXE_SUFFIX));
     let mut all = Vec::new();
     for method in METHODS {
