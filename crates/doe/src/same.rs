@@ -47,7 +47,6 @@ pub(crate) fn unite(n_factors: usize, coordinates: &mut [f64], n_fixed: usize) {
 }
 
 /// The first and the last point before each that are the same run; none where there is none.
-/// Of thousands of runs their pairs would fill the memory.
 pub(crate) fn twins(n_factors: usize, coordinates: &[f64]) -> Vec<Option<(usize, usize)>> {
     let point = |index: usize| &coordinates[index * n_factors..][..n_factors];
     let mut twins = vec![None; coordinates.len() / n_factors];

@@ -5,6 +5,12 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
     with_minus(&format!("{value:.decimals$}"))
 }
 
+/// Of a goal.
+#[cfg(feature = "benchmark")]
+pub(crate) fn verdict(is_met: bool) -> &'static str {
+    if is_met { "met" } else { "missed" }
+}
+
 /// Three digits.
 pub(crate) fn digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {

@@ -85,6 +85,18 @@ fn a_space_names_the_terms_it_confounds() {
     assert!(confounded_terms(&left, &square).unwrap().is_empty());
 }
 
+/// A single point of many thousands tells two terms apart, and without it nothing does: a sample of the list is not asked to say that
+/// terms are the same.
+#[test]
+fn a_single_point_of_a_long_list_is_not_overlooked() {
+    let line = (0..20_000).flat_map(|i| [f64::from(i) / 1e4 - 1.0; 2]);
+    let all_but_one = Space::list(2, line.clone().collect::<Vec<f64>>()).unwrap();
+    let confounded = confounded_terms(&Model::linear(2).unwrap(), &all_but_one).unwrap();
+    assert_eq!(confounded.iter().map(ToString::to_string).collect::<Vec<_>>(), ["`x2` = `x1`"]);
+    let all = Space::list(2, line.chain([0.5, -0.5]).collect::<Vec<f64>>()).unwrap();
+    assert_eq!(confounded_terms(&Model::linear(2).unwrap(), &all).unwrap(), []);
+}
+
 #[test]
 fn refuses_spaces_that_are_none() {
     let check = |space: Result<Space, Error>, message: &str| assert_eq!(space.unwrap_err().to_string(), message);

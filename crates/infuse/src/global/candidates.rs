@@ -36,17 +36,7 @@ impl Candidates {
 
     /// These cells, at least one.
     pub(crate) fn of_cells(chosen: Vec<Cell>, cells: &Cells) -> Result<Self, Error> {
-        let (axes, combinations) = (cells.points().levels(), cells.grid().combinations());
-        let (mut coordinates, mut digits) = (Vec::with_capacity(chosen.len() * axes.len()), vec![0; axes.len()]);
-        for &cell in &chosen {
-            let (index, n_cells) = (cell.index(), cells.n_cells());
-            if index >= n_cells {
-                return Err(design_space::Error::NoSuchCell { index, n_cells }.into());
-            }
-            combinations.fill_digits(index, &mut digits);
-            coordinates.extend(axes.iter().zip(&digits).map(|(axis, &digit)| axis[digit as usize]));
-        }
-        let space = Space::list(cells.n_factors(), coordinates)?;
+        let space = Space::list(cells.n_factors(), cells.all_coded(&chosen)?)?;
         Ok(Self { cells: chosen, space })
     }
 }
@@ -95,18 +85,10 @@ fn extremes(retained: &RetainedSet, cells: &Cells) -> BTreeSet<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use design_space::{Parameter, Region};
-
-    fn cells(levels: &[u32]) -> Cells {
-        let parameter = |(index, &count): (usize, &u32)| {
-            Parameter::continuous(format!("p{index}"), "m", -1.0, 1.0).unwrap().with_levels(count).unwrap()
-        };
-        Cells::of(&Region::new(levels.iter().enumerate().map(parameter).collect()).unwrap()).unwrap()
-    }
 
     #[test]
     fn corners_edges_faces_and_the_middle_of_a_full_grid_are_among_the_extremes() {
-        let cells = cells(&[5, 7, 9]);
+        let cells = Cells::with_levels(&[5, 7, 9]);
         let chosen = extremes(&RetainedSet::full(cells.n_cells()), &cells);
         let points: Vec<Vec<f64>> = chosen.iter().map(|&cell| cells.coded(cell).unwrap()).collect();
         for number in 0..27 {

@@ -54,11 +54,38 @@ impl Cells {
 
     /// Coded to the original box.
     pub(crate) fn coded(&self, cell: Cell) -> Result<Vec<f64>, Error> {
-        let (index, n_cells) = (cell.index(), self.n_cells());
-        Ok(self.points.point(index).ok_or(design_space::Error::NoSuchCell { index, n_cells })?)
+        self.all_coded(&[cell])
+    }
+
+    /// The same of many, one after the other.
+    pub(crate) fn all_coded(&self, cells: &[Cell]) -> Result<Vec<f64>, Error> {
+        let (axes, n_cells) = (self.points.levels(), self.n_cells());
+        let (mut coordinates, mut digits) = (Vec::with_capacity(cells.len() * axes.len()), vec![0; axes.len()]);
+        for index in cells.iter().map(|cell| cell.index()) {
+            if index >= n_cells {
+                return Err(design_space::Error::NoSuchCell { index, n_cells }.into());
+            }
+            self.grid.combinations().fill_digits(index, &mut digits);
+            coordinates.extend(axes.iter().zip(&digits).map(|(axis, &digit)| axis[digit as usize]));
+        }
+        Ok(coordinates)
     }
 
     pub(crate) fn natural(&self, cell: Cell) -> Result<Vec<f64>, Error> {
         Ok(self.grid.point(cell)?)
+    }
+}
+
+#[cfg(test)]
+impl Cells {
+    /// A box from -1 to 1 along every axis, with so many levels each.
+    pub(crate) fn with_levels(levels: &[u32]) -> Self {
+        let parameter = |(index, &count): (usize, &u32)| {
+            design_space::Parameter::continuous(format!("p{index}"), "m", -1.0, 1.0)
+                .unwrap()
+                .with_levels(count)
+                .unwrap()
+        };
+        Self::of(&Region::new(levels.iter().enumerate().map(parameter).collect()).unwrap()).unwrap()
     }
 }

@@ -127,16 +127,8 @@ impl<'a> Sums<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use design_space::{Parameter, Region};
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
-
-    fn cells(levels: &[u32]) -> Cells {
-        let parameter = |(index, &count): (usize, &u32)| {
-            Parameter::continuous(format!("p{index}"), "m", -1.0, 1.0).unwrap().with_levels(count).unwrap()
-        };
-        Cells::of(&Region::new(levels.iter().enumerate().map(parameter).collect()).unwrap()).unwrap()
-    }
 
     /// Some of the cells at random, and all distances one by one; lines longer and shorter than a word, and more than a
     /// thread takes at a time.
@@ -145,7 +137,7 @@ mod tests {
         let share = [0.5, 0.5, 0.5, 0.1, 0.02, 0.5, 0.001];
         let levels: [&[u32]; 7] = [&[7, 5, 6], &[9, 11], &[70], &[3, 4, 2, 5], &[3, 200], &[2; 9], &[40, 30, 20, 2]];
         for (seed, (levels, share)) in levels.iter().zip(share).enumerate() {
-            let cells = cells(levels);
+            let cells = Cells::with_levels(levels);
             let mut generator = Pcg64::seed_from_u64(seed as u64);
             let away = (0..cells.n_cells()).filter(|_| generator.random::<f64>() > share).map(Cell::new).collect();
             let retained = RetainedSet::full(cells.n_cells()).without(&away);

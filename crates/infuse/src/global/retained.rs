@@ -144,9 +144,9 @@ impl RetainedSet {
     }
 
     /// The words of every chunk that has a cell, and the number of its first word: in the order of the cells.
-    pub(crate) fn par_words(&self) -> impl IndexedParallelIterator<Item = (u64, &[u64])> + '_ {
-        let some: Vec<usize> = (0..self.chunks.len()).filter(|&at| self.chunks[at] != Chunk::Nothing).collect();
-        some.into_par_iter().map(|at| ((at * CHUNK) as u64, self.chunks[at].words().as_slice()))
+    pub(crate) fn par_words(&self) -> impl ParallelIterator<Item = (u64, &[u64])> + '_ {
+        let some = self.chunks.par_iter().enumerate().filter(|(_, chunk)| **chunk != Chunk::Nothing);
+        some.map(|(at, chunk)| ((at * CHUNK) as u64, chunk.words().as_slice()))
     }
 
     /// The retained cell of the smallest estimate, of equals the first; none if no estimate is a number.

@@ -12,7 +12,7 @@ use water_channel::{
 
 use super::tasks::FLIGHTS;
 use super::theirs::Theirs;
-use crate::words::number;
+use crate::words::{number, verdict};
 
 const PROGRAM: &str = "fixtures/peers/flights.py";
 const NEEDED: &str = "CasADi, numpy and scipy, and a compiler for C that is called cc";
@@ -114,7 +114,7 @@ impl Timed {
             "- C code that CasADi writes of an independent model of the same plant takes {} times as long as ours in lanes ({}; the goal is at least {} times), \
              and {} times as long as ours alone.\n",
             number(ratio, 1),
-            if ratio >= GOAL { "met" } else { "missed" },
+            verdict(ratio >= GOAL),
             number(GOAL, 0),
             number(self.median_ms(2) / self.median_ms(1), 1),
         )

@@ -6,9 +6,8 @@ use anyhow::Result;
 use page::{Column, Table, quantile};
 
 use super::lists::{GOAL, Searched};
-use super::shell::{Called, METHODS};
 use crate::kept;
-use crate::words::number;
+use crate::words::{number, verdict};
 
 const PAGE: &str = "docs/results-speed.md";
 
@@ -22,6 +21,18 @@ pub(super) struct Row {
     pub(super) seconds: Vec<[f64; 2]>,
     /// A part of it that it can't do without, and how long that takes.
     pub(super) part: Option<(&'static str, Vec<f64>)>,
+}
+
+/// Of the shell, its default first.
+pub(super) const METHODS: [&str; 2] = ["pooled", "dissertation"];
+
+/// A call of the shell with one method, batch by batch.
+#[derive(Debug)]
+pub(super) struct Called {
+    pub(super) call: &'static str,
+    pub(super) method: &'static str,
+    pub(super) goal: f64,
+    pub(super) seconds: Vec<f64>,
 }
 
 /// All of a run.
@@ -167,10 +178,6 @@ fn middle_and_most(seconds: &[f64]) -> [f64; 2] {
 /// The 90th percentile.
 fn nine_of_ten(seconds: &[f64]) -> f64 {
     quantile(seconds, 0.9).unwrap_or(f64::NAN)
-}
-
-fn verdict(is_met: bool) -> &'static str {
-    if is_met { "met" } else { "missed" }
 }
 
 /// How long the calls of the default method take.

@@ -7,6 +7,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 
 use super::builds::{cargo, remove};
+use super::page::{Called, METHODS};
 
 /// In the root; made and removed.
 const FOLDER: &str = "target/speed-campaign";
@@ -19,18 +20,8 @@ const BATCHES: usize = 5;
 
 /// What is called, and the longest it is meant to take (s): half of what it took when the goals were set.
 const CALLS: [(&str, f64); 3] = [("ask", 0.85), ("tell", 0.2), ("status", 0.25)];
-pub(super) const METHODS: [&str; 2] = ["pooled", "dissertation"];
 /// Batches, for the bar.
 pub(super) const COUNT: usize = METHODS.len() * BATCHES;
-
-/// A call with one method, batch by batch.
-#[derive(Debug)]
-pub(super) struct Called {
-    pub(super) call: &'static str,
-    pub(super) method: &'static str,
-    pub(super) goal: f64,
-    pub(super) seconds: Vec<f64>,
-}
 
 /// A campaign of five batches with each method; `done` gets each batch.
 pub(super) fn measured(root: &Path, mut done: impl FnMut()) -> Result<Vec<Called>> {

@@ -14,7 +14,7 @@ use super::generated;
 use super::tasks::{FLIGHTS, TURBULENCE, over_the_box};
 use crate::kept;
 use crate::reproduction::progress;
-use crate::words::number;
+use crate::words::{number, verdict};
 
 const PAGE: &str = "docs/results-flights.md";
 /// Each variant so often, in turn.
@@ -181,7 +181,7 @@ fn markdown(all: &[Timed], beside: &generated::Timed) -> String {
         let Some(limit) = variant.limit else { continue };
         let words = all.iter().map(|timed| {
             let [_, median, high] = timed.ratios(place);
-            let word = if median <= limit { "met" } else { "missed" };
+            let word = verdict(median <= limit);
             let beyond = if median <= limit && high > limit {
                 format!(", though single rounds go up to {}", number(high, 2))
             } else {
