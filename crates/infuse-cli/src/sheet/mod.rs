@@ -1,6 +1,7 @@
 //! Sheets: the experiments of a batch, as a table that goes to the rig and comes back.
 
 mod book;
+mod bounds;
 mod cells;
 mod columns;
 mod decimal;

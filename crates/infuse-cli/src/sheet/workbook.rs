@@ -1,10 +1,12 @@
 //! Tables in workbooks: the first sheet of an `.xlsx`.
 
+use std::collections::BTreeMap;
 use std::io::Cursor;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use calamine::{Data, ExcelDateTime, Range, Reader as _, Xlsx};
+use calamine::{Data, ExcelDateTime, Reader as _, Xlsx, XlsxFormulaMetadata};
 
+use super::bounds::{self, MOST_COLUMNS, MOST_ROWS};
 use super::cells::{Cell, Kind, Records, Separator};
 
 /// With which every `.xlsx` begins.
@@ -12,7 +14,7 @@ const ZIP: &[u8] = b"PK\x03\x04";
 /// With which older workbooks begin, and those with a password.
 const COMPOUND: &[u8] = b"\xd0\xcf\x11\xe0";
 /// A workbook of more cells is no table of experiments.
-const MOST_CELLS: usize = 50_000_000;
+const MOST_CELLS: usize = 5_000_000;
 
 /// The rows of the first sheet, if these bytes are a workbook.
 pub(super) fn records(bytes: &[u8]) -> Result<Option<Records>> {
@@ -23,15 +25,15 @@ pub(super) fn records(bytes: &[u8]) -> Result<Option<Records>> {
         return Ok(None);
     }
     let advice = "save it as .xlsx, or as CSV";
+    bounds::check(bytes)
+        .map_err(|error| anyhow::anyhow!("it is no workbook that can be read ({error:#}): {advice}"))?;
     let mut book = Xlsx::new(Cursor::new(bytes))
         .map_err(|error| anyhow::anyhow!("it is no workbook that can be read ({error}): {advice}"))?;
     let name = book.sheet_names().first().cloned().with_context(|| format!("the workbook has no sheet: {advice}"))?;
-    let cells = book.worksheet_range(&name).map_err(|error| anyhow::anyhow!("sheet `{name}`: {error}: {advice}"))?;
-    let formulas = book.worksheet_formula(&name).unwrap_or_default();
-    let (height, width) = cells.get_size();
-    ensure!(height.saturating_mul(width) <= MOST_CELLS, "sheet `{name}` has {height} rows of {width} cells: {advice}");
-    let mut rows = rows_of(&cells, &formulas);
-    rows.retain(|(_, row)| !row.first().is_some_and(|cell| cell.kind == Kind::Plain && cell.text.starts_with('#')));
+    let rows = rows_of(&mut book, &name).map_err(|error| anyhow::anyhow!("sheet `{name}`: {error:#}: {advice}"))?;
+    let is_remark =
+        |row: &[Cell]| row.first().is_some_and(|cell| cell.kind == Kind::Plain && cell.text.starts_with('#'));
+    let rows: Vec<_> = rows.into_iter().filter(|(_, row)| !is_remark(row)).collect();
     ensure!(
         rows.iter().any(|(_, row)| row.iter().any(|cell| !cell.text.is_empty())),
         "its first sheet, `{name}`, is empty, expected headings and rows"
@@ -39,27 +41,44 @@ pub(super) fn records(bytes: &[u8]) -> Result<Option<Records>> {
     Ok(Some(Records { rows, separator: Separator::Workbook }))
 }
 
-/// All rows from the first that is not empty, from the first column on.
-fn rows_of(cells: &Range<Data>, formulas: &Range<String>) -> Vec<(usize, Vec<Cell>)> {
-    let Some(((first, left), (last, right))) = extent(cells).into_iter().chain(extent(formulas)).reduce(|a, b| {
-        let ((top_a, left_a), (bottom_a, right_a)) = a;
-        let ((top_b, left_b), (bottom_b, right_b)) = b;
-        ((top_a.min(top_b), left_a.min(left_b)), (bottom_a.max(bottom_b), right_a.max(right_b)))
-    }) else {
-        return Vec::new();
-    };
-    let row = |row: u32| {
-        let cell = |column: u32| {
-            let formula = formulas.get_value((row, column)).is_some_and(|formula| !formula.is_empty());
-            cell(cells.get_value((row, column)).unwrap_or(&Data::Empty), formula)
+/// The rows that hold anything, each from the first column that does to its own last cell.
+///
+/// What lies between is not asked for: a stray cell in the last corner of a sheet costs one long row, not all cells before it.
+fn rows_of(book: &mut Xlsx<Cursor<&[u8]>>, name: &str) -> Result<Vec<(usize, Vec<Cell>)>> {
+    let mut cells: BTreeMap<(u32, u32), Cell> = BTreeMap::new();
+    let mut reader = book.worksheet_cells_reader(name)?;
+    // Formulas stay as they stand: to repeat a shared one for each of its cells is of no use here.
+    while let Some(record) = reader.next_cell_with_formula_metadata()? {
+        let is_formula = match &record.formula {
+            Some(XlsxFormulaMetadata::Normal { formula }) => !formula.is_empty(),
+            other => other.is_some(),
         };
-        (row as usize + 1, (left..=right).map(cell).collect())
-    };
-    (first..=last).map(row).collect()
-}
-
-fn extent<T: calamine::CellType>(range: &Range<T>) -> Option<((u32, u32), (u32, u32))> {
-    range.start().zip(range.end())
+        let (row, column) = record.pos;
+        ensure!(
+            row < MOST_ROWS && column < MOST_COLUMNS,
+            "it has a cell beyond the {MOST_ROWS} rows and {MOST_COLUMNS} columns of a sheet"
+        );
+        let cell = cell(&record.value.into(), is_formula);
+        if !cell.text.is_empty() {
+            cells.insert(record.pos, cell);
+        }
+    }
+    let left = cells.keys().map(|&(_, column)| column).min().unwrap_or(0);
+    let mut rows: Vec<(usize, Vec<Cell>)> = Vec::new();
+    let mut room = MOST_CELLS;
+    for ((row, column), cell) in cells {
+        let number = row as usize + 1;
+        if rows.last().is_none_or(|(last, _)| *last != number) {
+            rows.push((number, Vec::new()));
+        }
+        if let Some((_, row)) = rows.last_mut() {
+            let before = row.len();
+            row.resize((column - left) as usize, Cell::default());
+            row.push(cell);
+            room = room.checked_sub(row.len() - before).context("it has too many cells")?;
+        }
+    }
+    Ok(rows)
 }
 
 fn cell(data: &Data, is_formula: bool) -> Cell {

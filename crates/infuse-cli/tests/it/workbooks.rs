@@ -242,3 +242,55 @@ fn older_experiments_come_from_a_workbook_and_other_files_are_told_apart() {
     fill(&rig, &[], &[], "empty.xlsx");
     assert!(rig.infuse(&["import", "empty.xlsx", "--source", "x"]).error().contains("is empty"));
 }
+
+/// The workbook with one of its files replaced.
+fn with_part(bytes: &[u8], name: &str, change: impl FnOnce(String) -> String) -> Vec<u8> {
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).unwrap();
+    let mut changed = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for index in 0..archive.len() {
+        let part = archive.by_index(index).unwrap();
+        if part.name().unwrap() != name {
+            changed.raw_copy_file(part).unwrap();
+        }
+    }
+    changed.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+    std::io::Write::write_all(&mut changed, change(zip_part(bytes, name)).as_bytes()).unwrap();
+    changed.finish().unwrap().into_inner()
+}
+
+/// What stands in a workbook decides how much of it is read, not what it says to hold.
+#[test]
+fn a_workbook_takes_no_more_memory_than_its_cells() {
+    let rig = Rig::pooled();
+    let setting = |text: &str| Data::String(text.to_owned());
+    let headings = [setting("spring [N/mm]"), setting("damper gain [N s/mm]"), setting(RESPONSE)];
+    let table = vec![headings.to_vec(), vec![Data::Float(20.0), Data::Float(1.1), Data::Float(8.5)]];
+    fill(&rig, &table, &[], "old.xlsx");
+    let bytes = std::fs::read(rig.path("old.xlsx")).unwrap();
+    let import = |bytes: Vec<u8>| {
+        std::fs::write(rig.path("changed.xlsx"), bytes).unwrap();
+        rig.infuse(&["import", "changed.xlsx", "--source", "x"])
+    };
+    const SHEET: &str = "xl/worksheets/sheet1.xml";
+    let cell =
+        |text: &'static str| move |sheet: String| sheet.replacen("</sheetData>", &format!("{text}</sheetData>"), 1);
+    // The last corner of all sheets: a table with all cells before it would hold 17 billion.
+    let corner = cell("<row r=\"1048576\"><c r=\"XFD1048576\"><v>1</v></c></row>");
+    let error = import(with_part(&bytes, SHEET, corner)).error();
+    assert!(error.contains("row 1048576 has 16384 cells, expected 3"), "{error}");
+    let beyond = cell("<row r=\"1048577\"><c r=\"A1048577\"><v>1</v></c></row>");
+    assert!(
+        import(with_part(&bytes, SHEET, beyond)).error().contains("lies beyond the 1048576 rows and 16384 columns")
+    );
+    let nowhere = cell("<row r=\"3\"><c r=\"A/3\"><v>1</v></c></row>");
+    assert!(import(with_part(&bytes, SHEET, nowhere)).error().contains("`A/3` is no cell"));
+    let texts = |part: String| part.replace("uniqueCount=\"3\"", "uniqueCount=\"99999999999\"");
+    let error = import(with_part(&bytes, "xl/sharedStrings.xml", texts)).error();
+    assert!(error.contains("it says to hold `99999999999` texts"), "{error}");
+    let space = |sheet: String| sheet + &" ".repeat(200_000_000);
+    assert!(import(with_part(&bytes, SHEET, space)).error().contains("more than 200 MB when it is unpacked"));
+    // A formula that says to fill all of the sheet fills nothing.
+    let shared = "<row r=\"3\"><c r=\"A3\"><f t=\"shared\" ref=\"A3:XFD1048576\" si=\"4294967295\">1+1</f><v>22</v></c>\
+                  <c r=\"B3\"><v>0.9</v></c><c r=\"C3\"><f t=\"shared\" si=\"4294967295\"/><v>7.5</v></c></row>";
+    assert!(import(with_part(&bytes, SHEET, cell(shared))).ok().contains("2 experiments"));
+}
