@@ -39,6 +39,7 @@ fn main() -> ExitCode {
     };
     // Without it an interrupt ends the program at once, which loses nothing either.
     let _ = ctrlc::set_handler(|| program::interrupt(i32::from(INTERRUPTED)));
+    survive_file_size_limits();
     let outcome = command::run(&arguments);
     let is_json = arguments.common.json;
     let written = match &outcome {
@@ -48,6 +49,14 @@ fn main() -> ExitCode {
         }
         Err(error) => writeln!(std::io::stderr(), "error: {}", wording::of_error(error)),
     };
+    if let Err(error) = &written
+        && error.kind() != std::io::ErrorKind::BrokenPipe
+    {
+        let _ = writeln!(
+            std::io::stderr(),
+            "error: the answer cannot be written ({error}); what was done stands in the folder"
+        );
+    }
     match outcome {
         _ if program::is_interrupted() => ExitCode::from(INTERRUPTED),
         Ok(_) if written.is_ok() => ExitCode::SUCCESS,
@@ -70,8 +79,27 @@ fn not_understood(error: &clap::Error) -> ExitCode {
 fn show(output: &Output, is_json: bool) -> std::io::Result<()> {
     // In JSON they are among the rest.
     for notice in output.notices.iter().filter(|_| !is_json) {
-        writeln!(std::io::stderr(), "note: {notice}")?;
+        writeln!(std::io::stderr(), "note: {}", shown(notice))?;
     }
     let mut stdout = std::io::stdout().lock();
-    if is_json { writeln!(stdout, "{}", output.json) } else { writeln!(stdout, "{}", output.text.trim_end()) }
+    if is_json {
+        writeln!(stdout, "{}", output.json)?
+    } else {
+        writeln!(stdout, "{}", shown(output.text.trim_end()))?
+    }
+    stdout.flush()
 }
+
+/// What people wrote may hold characters that would steer a terminal.
+fn shown(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' && c != '\t' { ' ' } else { c }).collect()
+}
+
+/// A write beyond the limit of a shell ends with an error that names the file, and not the program.
+#[cfg(unix)]
+fn survive_file_size_limits() {
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
+}
+
+#[cfg(not(unix))]
+const fn survive_file_size_limits() {}

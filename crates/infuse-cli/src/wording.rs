@@ -157,7 +157,8 @@ fn fault(said: &str, of: Option<Entry<'_>>) -> String {
 fn allowed(expected: &str, key: &str) -> String {
     if COUNTS.contains(&expected) {
         let least = LEAST.iter().find(|(name, _)| *name == key).map_or(0, |(_, least)| *least);
-        return format!("a whole number from {least} on");
+        let most = if expected == "u32" { format!("to {}", u32::MAX) } else { "on".to_owned() };
+        return format!("a whole number from {least} {most}");
     }
     if expected == "a sequence" {
         let like = if key == "choices" { "[\"round\", \"flat\"]" } else { "[\"program\", \"argument\"]" };

@@ -43,10 +43,12 @@ pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Res
     notices.extend(runs_left(&*campaign, &last));
     notices.extend(still_in_sheets(&*after, &journal, &last));
     let sentence = format!("Taken back: {}.", in_words(&last));
-    let findings = [
-        Finding::new(sentence).with("lines taken back", last.events.len() as f64, "1"),
-        next(&*after, &after.stage()?),
-    ];
+    let mut findings = vec![Finding::new(sentence).with("lines taken back", last.events.len() as f64, "1")];
+    match after.stage() {
+        Ok(stage) => findings.push(next(&*after, &stage)),
+        // It is taken back all the same, and there may be more to take back.
+        Err(error) => notices.push(format!("what is left cannot be used as it is ({error:#}): `infuse log` shows it")),
+    }
     let json = json!({ "undone": last.deed, "lines": last.events.iter().map(|(line, _)| line).collect::<Vec<_>>() });
     Ok(Output::new(&findings, json, notices))
 }

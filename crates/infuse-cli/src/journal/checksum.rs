@@ -9,6 +9,8 @@ use super::event::{Assessed, Event};
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Checksum {
     digest: Sha256,
+    /// Whether any of them had one that earlier versions did not write.
+    is_checked: bool,
 }
 
 impl Checksum {
@@ -16,6 +18,7 @@ impl Checksum {
     pub(crate) fn add(&mut self, line: &[u8]) {
         let line = line.trim_ascii();
         if !line.is_empty() {
+            self.is_checked |= parted(line).is_some() && !line.starts_with(ASSESSED);
             self.digest.update(line);
             self.digest.update(b"\n");
         }
@@ -39,11 +42,12 @@ impl Checksum {
         }
     }
 
-    /// The event of a line, if its checksum agrees with it and the lines before; lines of earlier versions have none.
+    /// The event of a line, if its checksum agrees with it and the lines before; lines of earlier versions have none, and none
+    /// follows one that has.
     pub(crate) fn event(&self, line: &[u8]) -> Result<Event, Fault> {
         let line = line.trim_ascii();
         let Some((bare, check)) = parted(line) else {
-            return serde_json::from_slice(line).map_err(Fault::Unreadable);
+            return self.without(line);
         };
         let found = match serde_json::from_slice(&bare).map_err(Fault::Unreadable)? {
             Event::Assessed(assessed) => {
@@ -62,6 +66,24 @@ impl Checksum {
         )))
     }
 
+    /// The event of a line that does not end with a checksum.
+    fn without(&self, line: &[u8]) -> Result<Event, Fault> {
+        let object: serde_json::Map<String, serde_json::Value> =
+            serde_json::from_slice(line).map_err(Fault::Unreadable)?;
+        if object.contains_key("check") {
+            return Err(Fault::Changed(anyhow::anyhow!(
+                "its checksum stands elsewhere than at its end: another program has written the line anew, expected it as it was"
+            )));
+        }
+        match serde_json::from_slice(line).map_err(Fault::Unreadable)? {
+            event @ Event::Learned(_) => Ok(event),
+            _ if self.is_checked => Err(Fault::Changed(anyhow::anyhow!(
+                "it has no checksum, though a line before it has one: it was changed"
+            ))),
+            event => Ok(event),
+        }
+    }
+
     fn with(&self, line: &[u8]) -> String {
         let mut with_it = self.digest.clone();
         with_it.update(line);
@@ -76,6 +98,8 @@ impl Checksum {
     }
 }
 
+/// How a line begins that has always had a checksum.
+const ASSESSED: &[u8] = b"{\"event\":\"assessed\"";
 /// What stands before and after the digits of a checksum, at the end of a line.
 const BEFORE: &[u8] = b",\"check\":\"";
 const AFTER: &[u8] = b"\"}";

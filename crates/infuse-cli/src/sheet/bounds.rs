@@ -1,6 +1,6 @@
 //! What a workbook may hold, looked at before it is read: the reader takes memory for whatever number stands in it.
 
-use std::io::{BufReader, Cursor, Read as _};
+use std::io::{self, BufReader, Cursor, Read as _};
 
 use anyhow::{Result, bail, ensure};
 use quick_xml::events::{BytesStart, Event};
@@ -10,7 +10,7 @@ use zip::ZipArchive;
 pub(super) const MOST_ROWS: u32 = 1_048_576;
 pub(super) const MOST_COLUMNS: u32 = 16_384;
 /// What the parts of a workbook hold together when they are unpacked.
-const MOST_BYTES: u64 = 200_000_000;
+const MOST_BYTES: u64 = 100_000_000;
 /// No sheet has more texts that differ.
 const MOST_TEXTS: u64 = 100_000_000;
 
@@ -26,7 +26,8 @@ pub(super) fn check(bytes: &[u8]) -> Result<()> {
         };
         let name = part.name().map_or_else(|_| index.to_string(), std::borrow::Cow::into_owned);
         // One byte more than may be there shows that there is more.
-        let mut reader = quick_xml::Reader::from_reader(BufReader::new(part.take(left + 1)));
+        let mut part = part.take(left + 1);
+        let mut reader = quick_xml::Reader::from_reader(BufReader::new(&mut part));
         reader.config_mut().check_end_names = false;
         let mut buffer = Vec::new();
         while let Ok(event) = reader.read_event_into(&mut buffer) {
@@ -39,7 +40,9 @@ pub(super) fn check(bytes: &[u8]) -> Result<()> {
             }
             buffer.clear();
         }
-        let Some(rest) = left.checked_sub(reader.buffer_position()) else {
+        // What stands behind a fault counts, too.
+        let _ = io::copy(&mut part, &mut io::sink());
+        let Some(rest) = part.limit().checked_sub(1) else {
             bail!("it holds more than {} MB when it is unpacked", MOST_BYTES / 1_000_000);
         };
         left = rest;

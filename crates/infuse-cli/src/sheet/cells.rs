@@ -26,6 +26,13 @@ impl Cell {
         Self { text: text.into(), kind: Kind::Plain }
     }
 
+    /// Without characters that would begin a line or steer a terminal.
+    pub(super) fn on_one_line(&mut self) {
+        if self.text.contains(char::is_control) {
+            self.text = self.text.replace(char::is_control, " ");
+        }
+    }
+
     /// What is expected instead, if this can't be a number whatever it says.
     pub(super) fn is_no_number(&self) -> Option<&'static str> {
         match self.kind {

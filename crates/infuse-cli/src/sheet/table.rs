@@ -1,6 +1,8 @@
 //! Tables that people fill in: read whole, with every fault by row, column and value.
 
 use std::fmt;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
@@ -90,6 +92,20 @@ pub(crate) struct Table {
     commas: Commas,
 }
 
+/// A table of experiments is no longer; what has no end would take all memory.
+const MOST_BYTES: u64 = 100_000_000;
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+    ensure!(
+        bytes.len() as u64 <= MOST_BYTES,
+        "it holds more than {} MB, expected a table of experiments",
+        MOST_BYTES / 1_000_000
+    );
+    Ok(bytes)
+}
+
 /// A row that is not empty.
 #[derive(Debug)]
 pub(crate) struct Row {
@@ -100,7 +116,7 @@ pub(crate) struct Row {
 impl Table {
     /// Reads a file whose columns are among these, in any order: a text with commas, semicolons or tabs, or a workbook.
     pub(crate) fn read(path: &Path, columns: &[Column]) -> Result<Self> {
-        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        let bytes = bytes_of(path).with_context(|| path.display().to_string())?;
         Self::parse(&bytes, columns).with_context(|| path.display().to_string())
     }
 
@@ -125,7 +141,8 @@ impl Table {
         let headings: Vec<String> = headings.into_iter().map(|cell| cell.text).collect();
         let places = places(&headings, columns)?;
         let mut rows = Vec::new();
-        for (number, cells) in records {
+        for (number, mut cells) in records {
+            cells.iter_mut().for_each(Cell::on_one_line);
             // A workbook has no cells too many, but empty ones.
             let n = cells.iter().rposition(|cell| !cell.text.is_empty()).map_or(0, |last| last + 1);
             let n = if separator == Separator::Workbook { n } else { cells.len() };

@@ -175,8 +175,16 @@ fn a_simulation_that_a_killed_call_has_left_running_is_named_by_the_next_one() {
     );
     assert!(said.stderr.contains(&format!("`kill -- -{pid}` ends it")), "{}", said.stderr);
     said.ok();
-    let ended = std::process::Command::new("kill").args(["-KILL", "--", &format!("-{pid}")]).status().unwrap();
-    assert!(ended.success(), "what was said ends it");
+    let kill = |whom: &str| std::process::Command::new("kill").args(["-KILL", "--", whom]).status().unwrap().success();
+    // The shell alone: what it waited for goes on.
+    assert!(kill(&pid));
+    let by_it =
+        format!("process {pid}, which a killed call has begun, has ended, but programs that it has begun still run");
+    while !rig.infuse(&["status"]).stderr.contains(&by_it) {
+        assert!(note.exists(), "its group has members");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(kill(&format!("-{pid}")), "what was said ends it");
     while rig.infuse(&["ask"]).stderr.contains("still runs") {
         std::thread::sleep(Duration::from_millis(5));
     }

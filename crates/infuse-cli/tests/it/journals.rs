@@ -22,6 +22,13 @@ pub(crate) fn unchecked(journal: &str) -> String {
     journal.lines().map(line).collect()
 }
 
+/// All lines taken at their word.
+pub(crate) fn without_checksums(journal: &str) -> String {
+    let bare =
+        |line: &str| line.split_once(",\"check\":").map_or_else(|| line.to_owned(), |(line, _)| format!("{line}}}"));
+    journal.lines().map(|line| bare(line) + "\n").collect()
+}
+
 #[test]
 fn a_journal_cut_anywhere_is_gone_on_with() {
     let rig = two_batches();
@@ -50,7 +57,7 @@ fn a_journal_cut_anywhere_is_gone_on_with() {
 #[test]
 fn what_an_interrupted_call_has_left_is_set_aside_and_said() {
     let rig = two_batches();
-    let whole = rig.read("journal.jsonl");
+    let whole = unchecked(&rig.read("journal.jsonl"));
     let n_told = told(&rig.journal()).len();
     // Two of three lines told at once, and half of the third.
     let line = |row: usize| {
@@ -290,7 +297,7 @@ fn a_full_disk_takes_nothing_and_loses_nothing() {
     // In blocks of 512 bytes: the next block boundary is within what is to be written.
     let blocks = before.len() / 512 + 1;
     let limited = |arguments: &str| {
-        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {arguments}");
+        let script = format!("ulimit -f {blocks}; exec \"$0\" {arguments}");
         let mut command = std::process::Command::new("sh");
         command.args(["-c", &script, env!("CARGO_BIN_EXE_infuse")]).current_dir(rig.folder());
         crate::rig::Said::from(command.output().unwrap())
@@ -300,4 +307,21 @@ fn a_full_disk_takes_nothing_and_loses_nothing() {
     assert_eq!(rig.read("journal.jsonl"), before);
     rig.infuse(&["tell", "sheet-1.csv"]).ok();
     assert_eq!(told(&rig.journal()).len(), 10);
+}
+
+/// Whoever changes a number cannot be rid of what would tell by taking the checksums off.
+#[test]
+fn a_line_without_a_checksum_after_one_that_has_it_is_refused() {
+    let rig = two_batches();
+    let whole = rig.read("journal.jsonl");
+    let (line, _) = whole.lines().enumerate().find(|(_, line)| line.contains("\"event\":\"told\"")).unwrap();
+    let kept: String = whole.lines().take(line).map(|line| format!("{line}\n")).collect();
+    let rest: String = whole.lines().skip(line).map(|line| format!("{line}\n")).collect();
+    rig.write("journal.jsonl", &format!("{kept}{}", unchecked(&rest)));
+    let error = rig.infuse(&["status"]).error();
+    assert!(error.contains(&format!("line {}", line + 1)) && error.contains("it has no checksum"), "{error}");
+    let anew = whole.lines().map(|line| line.replace(":", ": ") + "\n").collect::<String>();
+    rig.write("journal.jsonl", &anew);
+    let error = rig.infuse(&["status"]).error();
+    assert!(error.contains("line 1") && error.contains("another program has written the line anew"), "{error}");
 }

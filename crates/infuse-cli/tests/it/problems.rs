@@ -127,7 +127,7 @@ fn a_table_that_does_not_fit_is_told_by_its_cells() {
 fn no_message_about_the_file_names_a_type_of_the_program() {
     for (from, to, words) in [
         ("seed = 1", "seed = -1", "`seed` is -1, expected a whole number from 0 on"),
-        ("step = 2", "levels = 2.5", "`levels` is 2.5, expected a whole number from 2 on"),
+        ("step = 2", "levels = 2.5", "`levels` is 2.5, expected a whole number from 2 to 4294967295"),
         ("lower = 10", "lower = \"a\"", "`lower` is \"a\", expected a number"),
         ("experiments = 10", "experiments = \"ten\"", "`experiments` is \"ten\", expected a whole number from 1 on"),
         ("experiments = 10", "experiments = -3", "`experiments` is -3, expected a whole number from 1 on"),
